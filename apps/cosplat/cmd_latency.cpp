@@ -29,7 +29,9 @@
 #include "apps/cosplat/run/process.h"
 #include "avatar/live/guard.h"
 #include "avatar/live/source.h"
+#include "avatar/math/turn.h"
 #include "avatar/play/avatar_renderer.h"
+#include "flame/eyelids.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 
@@ -55,18 +57,20 @@ double Now() {
 struct Seen {
   double captured = 0, finding = 0, arrived = 0;
   int film_frame = 0;
-  LatencyFilm::Truth sent;  // what is said of it
 };
 struct Drawn {
   Seen seen;
   double begun = 0, done = 0;
+  LatencyFilm::Truth shown;  // the avatar's own
 };
 
-LatencyFilm::Truth SaidBy(const JsonFrame& packet) {
-  const BlendshapeScores& scores = *packet.blendshapes;
-  return {scores.at("jawOpen"),
-          {scores.at("eyeBlinkLeft"), scores.at("eyeBlinkRight")},
-          packet.params.pose[0]};
+// Of a face that is drawn; lids of a head that has none are 0.
+LatencyFilm::Truth ShownBy(FlameParams face, const Content::Avatar& avatar) {
+  const auto root = [](const FlameParams& params) { return math::QuatOfAxisAngle(params.pose[0]); };
+  EyelidsFromExpression(avatar.flame, face);
+  return {face.pose[2][0],
+          face.eyelids,
+          math::AxisAngleOf(math::Multiply(root(face), math::Conjugate(root(avatar.rest))))};
 }
 
 // The camera's program and what it says, in a thread of its own.
@@ -130,11 +134,8 @@ class FilmedCamera {
       if (!packet || frame.bar < 0) return;
       {
         const std::lock_guard lock(mutex_);
-        seen_[packet->sequence % seen_.size()] = {frame.seconds,
-                                                  frame.milliseconds / 1000,
-                                                  arrived,
-                                                  int(size_t(frame.bar) % frames_),
-                                                  SaidBy(*packet)};
+        seen_[packet->sequence % seen_.size()] = {
+            frame.seconds, frame.milliseconds / 1000, arrived, int(size_t(frame.bar) % frames_)};
       }
       const std::string text = WriteJsonFrame(*packet) + "\n";
       if (write(pipe_[1], text.data(), text.size()) != ssize_t(text.size())) ended_ = true;
@@ -185,7 +186,7 @@ Follows FollowsFilm(const std::vector<Drawn>& drawn, const LatencyFilm& film, co
       const double part = at - double(whole);
       const double x =
           (1 - part) * double(of(film.frames[whole])) + part * double(of(film.frames[whole + 1]));
-      const double y = double(of(picture.seen.sent));
+      const double y = double(of(picture.shown));
       a += x, b += y, aa += x * x, bb += y * y, ab += x * y, ++n;
     }
     const double vx = n * aa - a * a, vy = n * bb - b * b, cov = n * ab - a * b;
@@ -253,7 +254,7 @@ void PrintFollows(const std::vector<Drawn>& drawn, const LatencyFilm& film) {
 std::vector<Drawn> Watch(const LatencyOptions& o, FilmedCamera& camera, Content content) {
   const auto [width, height] = ParsePictureSize(o.size);
   const Device device = UsableDevice(o.device);
-  const Content::Avatar& avatar = *content.avatar;
+  const Content::Avatar avatar = *content.avatar;  // the stage has its own
   LiveSourceOptions options;
   options.rest = avatar.rest;
   options.flame = &avatar.flame;
@@ -285,7 +286,7 @@ std::vector<Drawn> Watch(const LatencyOptions& o, FilmedCamera& camera, Content 
     if (guard.Offer(frame.params, frame.time_ns) != Verdict::kAccepted) continue;
     shot.face = guard.At(int64_t(1e9 * now));
     stage.Draw(shot, image);
-    drawn.push_back({camera.Of(frame.sequence), now, Now()});
+    drawn.push_back({camera.Of(frame.sequence), now, Now(), ShownBy(shot.face, avatar)});
   }
   return drawn;
 }

@@ -43,6 +43,27 @@ inline CommandResult Cosplat(const std::vector<std::string>& arguments,
   return {code, Slurp(logs / "out"), Slurp(logs / "err")};
 }
 
+// An avatar of the made head, 48 px and 500 Gaussians, hardly trained, in `folder`/out; the head is
+// in `folder`/head. Returns what is wrong, or "".
+inline std::string MakeSmallAvatar(const TemporaryFolder& folder) {
+  const std::string head = folder / "head";
+  const CommandResult made = Cosplat(
+      {"make-head", "-o", head, "--frames", "6", "--test-frames", "2", "--size", "48", "--quiet"});
+  if (made.code != 0) return made.err;
+  const CommandResult trained = Cosplat({"train-avatar",
+                                         "-s",
+                                         head,
+                                         "--flame",
+                                         head + "/model.npz",
+                                         "-m",
+                                         folder / "out",
+                                         "--iterations",
+                                         "4",
+                                         "--gaussians",
+                                         "500"});
+  return trained.code == 0 ? "" : trained.err;
+}
+
 // A scene as Blender's exporters write it: a red, a green and a blue ball seen from `views` sides,
 // half of them test views.
 inline void WriteBallScene(const std::string& folder, int views) {

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "apps/cosplat/run/latency_film.h"
 #include "splat/base/files.h"
 #include "tests/integration/command.h"
 
@@ -90,27 +91,6 @@ TEST(Webcam, NamesWhatIsWrong) {
   refused({}, "camera");
 }
 
-// 4:2:0, as Chromium reads films.
-void WriteFilm(const std::string& path, const std::vector<Image8>& images) {
-  const int width = images[0].width, height = images[0].height;
-  std::ofstream film(path, std::ios::binary);
-  film << "YUV4MPEG2 W" << width << " H" << height << " F30:1 Ip A1:1 C420mpeg2\n";
-  for (const Image8& image : images) {
-    std::string luma, chroma[2];
-    for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; ++x) {
-        const double r = image.at(x, y, 0), g = image.at(x, y, 1), b = image.at(x, y, 2);
-        const double grey = 0.299 * r + 0.587 * g + 0.114 * b;
-        luma += char(std::lround(16 + grey * 219 / 255));
-        if (x % 2 == 0 && y % 2 == 0)
-          for (int k = 0; k < 2; ++k)
-            chroma[k] += char(std::lround(
-                128 + 224.0 / 255 * (k == 0 ? (b - grey) / 1.772 : (r - grey) / 1.402)));
-      }
-    film << "FRAME\n" << luma << chroma[0] << chroma[1];
-  }
-}
-
 // Of the same length.
 double Correlation(const std::vector<double>& a, const std::vector<double>& b) {
   double sums[5] = {};
@@ -129,24 +109,8 @@ TEST(Webcam, FollowsAFilmOfTheMadeHead) {
     GTEST_SKIP() << "node, npm or Chromium is not installed";
   const TemporaryFolder folder;
   constexpr int kFrames = 60;
-  ASSERT_EQ(Cosplat({"make-head",
-                     "-o",
-                     folder / "head",
-                     "--frontal",
-                     "--frames",
-                     std::to_string(kFrames),
-                     "--test-frames",
-                     "1",
-                     "--size",
-                     "320",
-                     "--quiet"})
-                .code,
-            0);
-  std::vector<Image8> images;
-  for (int i = 1; i <= kFrames; ++i)
-    images.push_back(RgbOf(ReadImage(folder / ("head/image/" + std::to_string(i) + ".png"))));
-  WriteFilm(folder / "film.y4m", images);
-  const CommandResult result = Cosplat({"webcam", "--camera", folder / "film.y4m"}, "timeout 25");
+  const LatencyFilm film = MakeLatencyFilm(folder / "film", kFrames);
+  const CommandResult result = Cosplat({"webcam", "--camera", film.path}, "timeout 25");
   if (result.err.find("npm") != std::string::npos) GTEST_SKIP() << result.err;
   // Of its first round, however many of its frames were looked at.
   std::vector<Json> frames;
@@ -156,14 +120,13 @@ TEST(Webcam, FollowsAFilmOfTheMadeHead) {
   for (const Json& frame : LinesOf(result.out))
     if (frames.empty() || 30 * passed(frame) < kFrames) frames.push_back(frame);
   ASSERT_GT(frames.size(), 12u) << result.err;
-  const Json truth = ReadJson(folder / "head/flame_params.json")["frames"];
   double best = -1;
   for (int shift = 0; shift < kFrames; ++shift) {
     std::vector<double> seen, real;
     for (const Json& frame : frames) {
       const size_t at = size_t(std::lround(30 * passed(frame)) + shift) % kFrames;
       seen.push_back(frame["blendshapes"]["jawOpen"]);
-      real.push_back(truth[at]["pose"][6]);
+      real.push_back(film.frames[at].jaw);
     }
     best = std::max(best, Correlation(seen, real));
   }
@@ -174,33 +137,9 @@ TEST(Latency, IsThatOfAFilmInTheCamerasPlace) {
   if (std::system("(command -v node && command -v npm && command -v chromium) >/dev/null") != 0)
     GTEST_SKIP() << "node, npm or Chromium is not installed";
   const TemporaryFolder folder;
-  const std::string head = folder / "head", out = folder / "out";
-  ASSERT_EQ(Cosplat({"make-head",
-                     "-o",
-                     head,
-                     "--frames",
-                     "6",
-                     "--test-frames",
-                     "2",
-                     "--size",
-                     "48",
-                     "--quiet"})
-                .code,
-            0);
-  ASSERT_EQ(Cosplat({"train-avatar",
-                     "-s",
-                     head,
-                     "--flame",
-                     head + "/model.npz",
-                     "-m",
-                     out,
-                     "--iterations",
-                     "4",
-                     "--gaussians",
-                     "500"})
-                .code,
-            0);
-  const CommandResult result = Cosplat({"latency", out, "--seconds", "6", "--size", "64x64"});
+  ASSERT_EQ(test::MakeSmallAvatar(folder), "");
+  const CommandResult result =
+      Cosplat({"latency", folder / "out", "--seconds", "6", "--size", "64x64"});
   if (result.err.find("npm") != std::string::npos) GTEST_SKIP() << result.err;
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_NE(result.out.find("camera to picture"), std::string::npos) << result.out;

@@ -13,9 +13,9 @@ struct LatencyFilm {
   // The bar's cells, from left to right the bits of the frame's number, the lowest first; white
   // is 1. apps/landmarks/page/camera.js reads them.
   static constexpr int kCells = 12, kCellHeight = 16;  // px; a cell is kWidth / kCells wide
-  struct Truth {
-    float jaw = 0;                // radians
-    std::array<float, 2> lids{};  // left, right; 1: shut
+  struct Truth {                                       // of a face
+    float jaw = 0;                                     // radians
+    std::array<float, 2> lids{};                       // left, right; 1: shut
     std::array<float, 3> turn{};  // of the head, axis times angle, FLAME's axes
   };
   std::string path;           // .y4m
