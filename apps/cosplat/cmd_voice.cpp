@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
@@ -23,7 +22,6 @@
 #include "avatar/live/json_frame.h"
 #include "avatar/voice/voice_face.h"
 #include "splat/base/error.h"
-#include "splat/media/sound.h"
 
 namespace cosplat {
 namespace {
@@ -56,18 +54,18 @@ class Speaker {
   explicit Speaker(const VoiceOptions& o) : output_(o.to), face_(o.seed) {}
 
   void Say(std::span<const float> samples) {
+    frames_.clear();
     face_.Push(samples, frames_);
-    Send();
+    Send(frames_);
   }
   void Finish() {
+    frames_.clear();
     face_.Finish(frames_);
-    Send();
+    Send(frames_);
   }
-
- private:
-  void Send() {
+  void Send(std::vector<ScoredFrame>& frames) {
     using Seconds = std::chrono::duration<double>;
-    for (ScoredFrame& frame : frames_) {
+    for (ScoredFrame& frame : frames) {
       JsonFrame packet;
       packet.sequence = uint64_t(frame.timestep);
       packet.time = double(frame.timestep) / VoiceFace::kFramesPerSecond;
@@ -77,9 +75,9 @@ class Speaker {
       std::this_thread::sleep_until(start_ + Seconds(*packet.time - kAhead));
       output_.Write(output_.PacketOf(packet, {}));
     }
-    frames_.clear();
   }
 
+ private:
   static constexpr double kAhead = 0.1;  // seconds; microphones deliver some together
   PacketOutput output_;
   VoiceFace face_;
@@ -135,9 +133,8 @@ void Listen(const VoiceOptions& o) {
   Speaker speaker(o);
   if (o.sound == "-") return SayDescriptor(STDIN_FILENO, "standard input", o.quiet, speaker);
   if (!o.sound.empty()) {
-    const Sound sound = ReadSound(o.sound, kSoundRate, 1);
-    speaker.Say(sound.samples);
-    return speaker.Finish();
+    ScoreRecording recording = LoadVoice(o.sound, o.seed);
+    return speaker.Send(recording.frames);
   }
   const std::vector<std::string> command = MicrophoneCommand();
   if (!o.quiet)

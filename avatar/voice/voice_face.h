@@ -20,7 +20,7 @@ class VoiceFace {
  public:
   static constexpr int kFramesPerSecond = 50;
   // Seconds of sound after the moment that a frame shows, before it is there: half a window and
-  // what the network looks ahead, and what is left of a frame.
+  // what the network looks ahead.
   static constexpr double kDelay =
       (double(kSpeechWindow) / 2 + double(kSpeechHop) * VisemeNet::kLookAhead) / kSoundRate;
 
