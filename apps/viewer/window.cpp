@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <future>
 #include <optional>
 
@@ -268,7 +269,11 @@ void ViewerWindow::Run() {
   }
   if (impl_->recorder) impl_->StopRecording();
   impl_->FinishSaving(true);
-  impl_->KeepState();
+  try {
+    impl_->KeepState();
+  } catch (const std::exception& problem) {
+    std::fprintf(stderr, "The window's size and drive are not kept: %s\n", problem.what());
+  }
 }
 
 GLFWwindow* ViewerWindow::handle() const { return impl_->gl.handle(); }
