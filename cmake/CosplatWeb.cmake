@@ -46,6 +46,7 @@ cosplat_library(base
   splat/base/json.cpp
   splat/base/npy.cpp
   splat/base/npz.cpp
+  splat/base/process.cpp
   splat/base/sha256.cpp
   splat/base/skipped.cpp
   splat/base/text.cpp

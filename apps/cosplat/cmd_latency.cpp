@@ -26,7 +26,6 @@
 #include "apps/cosplat/run/camera_face.h"
 #include "apps/cosplat/run/latency_film.h"
 #include "apps/cosplat/run/mediapipe.h"
-#include "apps/cosplat/run/process.h"
 #include "avatar/live/guard.h"
 #include "avatar/live/source.h"
 #include "avatar/math/turn.h"
@@ -34,6 +33,7 @@
 #include "flame/eyelids.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/process.h"
 
 namespace cosplat {
 namespace {

@@ -12,12 +12,12 @@
 #include "apps/cosplat/options/command_line.h"
 #include "apps/cosplat/options/scene_options.h"
 #include "apps/cosplat/run/notes.h"
-#include "apps/cosplat/run/process.h"
 #include "apps/cosplat/run/run_checkpoint.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/train_run.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/process.h"
 #include "splat/base/text.h"
 #include "splat/train/ranks/ranks.h"
 

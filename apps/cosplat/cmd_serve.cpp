@@ -9,13 +9,12 @@
 
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/play_content.h"
-#include "apps/cosplat/run/process.h"
-#include "apps/cosplat/run/program_source.h"
 #include "apps/cosplat/run/relay.h"
 #include "apps/cosplat/run/web_model.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"
+#include "splat/base/process.h"
 #include "splat/base/text.h"
 
 namespace cosplat {
@@ -69,7 +68,9 @@ std::unique_ptr<Relay> OpenRelay(const ServeOptions& o) {
   LiveSourceOptions options;
   options.flame = &avatar.flame;
   if (avatar.model.blendshapes) options.blendshapes = &*avatar.model.blendshapes;
-  return std::make_unique<Relay>(OpenLive(o.relay, options), size_t(avatar.flame.expression_count));
+  options.program = ThisProgram();
+  return std::make_unique<Relay>(OpenLiveSource(o.relay, options),
+                                 size_t(avatar.flame.expression_count));
 }
 
 // Server-sent events; a comment where no frame comes, so that a reader that has gone is noticed.

@@ -17,11 +17,11 @@
 
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/run/packet_output.h"
-#include "apps/cosplat/run/process.h"
 #include "apps/cosplat/run/voice_drive.h"
 #include "avatar/live/json_frame.h"
 #include "avatar/voice/voice_face.h"
 #include "splat/base/error.h"
+#include "splat/base/process.h"
 
 namespace cosplat {
 namespace {

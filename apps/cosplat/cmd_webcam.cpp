@@ -15,8 +15,8 @@
 #include "apps/cosplat/run/camera_face.h"
 #include "apps/cosplat/run/mediapipe.h"
 #include "apps/cosplat/run/packet_output.h"
-#include "apps/cosplat/run/process.h"
 #include "splat/base/error.h"
+#include "splat/base/process.h"
 
 namespace cosplat {
 namespace {

@@ -6,7 +6,6 @@
 
 #include "apps/cosplat/run/head_model.h"
 #include "apps/cosplat/run/notes.h"
-#include "apps/cosplat/run/program_source.h"
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/verbose_source.h"
@@ -17,6 +16,7 @@
 #include "avatar/model/avatar_mesh.h"
 #include "flame/model.h"
 #include "splat/base/error.h"
+#include "splat/base/process.h"
 #include "splat/io/cameras_json.h"
 #include "splat/io/splat_file.h"
 #include "splat/levels/levels_file.h"
@@ -140,10 +140,6 @@ Content LoadContent(const std::string& model, const std::string& flame) {
   return content;
 }
 
-bool IsLiveDrive(const std::string& drive) {
-  return drive == "stdin:" || IsProgramDrive(drive) || drive.find("://") != std::string::npos;
-}
-
 namespace {
 
 // What a drive needs of an avatar.
@@ -161,10 +157,11 @@ void DriveHead(
   options.flame = &head.flame;
   if (head.blendshapes) options.blendshapes = &*head.blendshapes;
   options.frames_per_second = fps;
+  options.program = ThisProgram();
   if (IsLiveDrive(drive)) {
     FlameParams rest = head.rest;
     rest.expression.assign(size_t(head.flame.expression_count), 0);
-    std::unique_ptr<LiveSource> source = OpenLive(drive, options);
+    std::unique_ptr<LiveSource> source = OpenLiveSource(drive, options);
     if (verbose) source = std::make_unique<VerboseSource>(std::move(source));
     session.SetLive(
         std::make_unique<viewer::LiveFace>(std::move(source), std::move(rest), head.trained));

@@ -14,9 +14,6 @@ namespace cosplat {
 // Throws Error.
 viewer::Content LoadContent(const std::string& model, const std::string& flame);
 
-// True for live sources: "udp://...", "vts://..." and so on, "webcam:" and "stdin:".
-bool IsLiveDrive(const std::string& drive);
-
 // Makes a drive (avatar/live/source.h) move the content; a recording can be scrubbed. fps: frame
 // rate of a recording; 0: its own. verbose: of a live drive, says on standard error what arrives.
 // Throws Error.

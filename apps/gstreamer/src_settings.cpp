@@ -103,9 +103,9 @@ void InstallFps(GObjectClass* c, const Words& w, const Fraction& value) {
 }
 
 constexpr const char* kDriveBlurb =
-    "What moves the face: a recording (.npz or folder), stdin:, udp://HOST:PORT, "
-    "vmc://HOST:PORT, vts://PHONE, ifacialmocap://PHONE or livelink://HOST; empty leaves it at "
-    "rest";
+    "What moves the face: webcam:, audio: (the microphone), a recording (.npz or folder), stdin:, "
+    "udp://HOST:PORT, vmc://HOST:PORT, vts://PHONE, ifacialmocap://PHONE or livelink://HOST; empty "
+    "leaves it at rest";
 constexpr const char* kLoopBlurb =
     "Recordings begin again at their end; otherwise the stream ends there, unless it is live";
 constexpr const char* kBackgroundBlurb =

@@ -90,4 +90,11 @@ std::unique_ptr<LiveSource> OpenPhoneSource(std::unique_ptr<PacketInput> input,
                                             const LiveSourceOptions& options,
                                             const HeadAngles& signs = {1, 1, 1});
 
+// "webcam:", "webcam:N", "webcam:FILM", "audio:" and "audio:-": the command `cosplat webcam` or
+// `cosplat voice`, which ends with the source and writes lines of JSON. Throws Error if it cannot
+// be started; why it ended is the counts' last problem.
+bool IsProgramDrive(const std::string& drive);
+std::unique_ptr<LiveSource> OpenProgramSource(const std::string& drive,
+                                              const LiveSourceOptions& options);
+
 }  // namespace cosplat

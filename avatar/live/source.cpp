@@ -30,9 +30,10 @@ constexpr Scheme kSchemes[] = {{"udp", nullptr, false},
 const Scheme& SchemeOf(const DriveAddress& address) {
   for (const Scheme& scheme : kSchemes)
     if (address.scheme == scheme.name) return scheme;
-  throw Error(address.drive,
-              "expected a file, a folder, stdin:, udp://HOST:PORT, vmc://HOST:PORT, "
-              "vts://PHONE, ifacialmocap://PHONE or livelink://HOST");
+  throw Error(
+      address.drive,
+      "expected a file, a folder, webcam:, audio:, stdin:, udp://HOST:PORT, vmc://HOST:PORT, "
+      "vts://PHONE, ifacialmocap://PHONE or livelink://HOST");
 }
 
 struct Query {
@@ -101,14 +102,17 @@ std::string ToString(const LiveCounts& counts) {
   return notes.empty() ? text : text + "; " + notes;
 }
 
+bool IsLiveDrive(const std::string& drive) {
+  return drive == "stdin:" || IsProgramDrive(drive) || drive.find("://") != std::string::npos;
+}
+
 std::unique_ptr<LiveSource> OpenLiveSource(const std::string& drive,
                                            const LiveSourceOptions& options) {
   if (drive == "stdin:") return OpenLineSource(STDIN_FILENO, "standard input", options);
-  for (const char* own : {"webcam:", "audio:"})
-    if (drive.starts_with(own))
-      throw Error(drive,
-                  "is a drive of the cosplat command alone: `cosplat webcam` and `cosplat voice` "
-                  "send --to udp://HOST:PORT, which is one here");
+  if (IsProgramDrive(drive)) return OpenProgramSource(drive, options);
+  if (drive.starts_with("audio:"))
+    throw Error(drive,
+                "is no drive here: `cosplat voice FILE -o FILE.csv` makes one of a sound file");
   if (drive.find("://") == std::string::npos) return OpenRecording(drive, options);
   const DriveAddress address = ParseDriveAddress(drive);
   const Scheme& scheme = SchemeOf(address);

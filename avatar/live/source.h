@@ -74,17 +74,22 @@ struct LiveSourceOptions {
   const BlendshapeMap* blendshapes = nullptr;
   bool loop = false;             // repeat recordings
   double frames_per_second = 0;  // of a recording; 0: its own rate, or 25 if unknown
+  std::string program;  // the file of the command cosplat, which "webcam:" and "audio:" are of; "":
+                        // that of PATH
 };
 
-// drive: a file or folder that LoadRecording reads, or "stdin:", "udp://HOST:PORT" (FLAME
-// parameters or blendshape scores as JSON lines), "vmc://HOST:PORT" (scores over OSC),
-// "vts://PHONE", "ifacialmocap://PHONE" and "livelink://HOST" (apps on phones; a port may follow).
-// All but the first two may end in "?matrix=FILE", which is then used instead of the avatar's map,
-// and those of phones in "?flip=AXES", x, y and z, which turns the head the other way about these.
-// HOST may be omitted and is then loopback. Throws Error naming the drive and what is wrong with
-// it.
+// drive: a file or folder that LoadRecording reads, or "webcam:", "webcam:N" (this machine's
+// cameras), "audio:" (its microphone), "stdin:", "udp://HOST:PORT" (FLAME parameters or blendshape
+// scores as JSON lines), "vmc://HOST:PORT" (scores over OSC), "vts://PHONE", "ifacialmocap://PHONE"
+// and "livelink://HOST" (apps on phones; a port may follow). Those with "://" may end in
+// "?matrix=FILE", which is then used instead of the avatar's map, and those of phones in
+// "?flip=AXES", x, y and z, which turns the head the other way about these. HOST may be omitted and
+// is then loopback. Throws Error naming the drive and what is wrong with it.
 std::unique_ptr<LiveSource> OpenLiveSource(const std::string& drive,
                                            const LiveSourceOptions& options = {});
+
+// True for what OpenLiveSource takes from somewhere else than a recording.
+bool IsLiveDrive(const std::string& drive);
 
 // Lines of JSON, as those of "stdin:", from a descriptor, which must stay open as long and is not
 // closed.

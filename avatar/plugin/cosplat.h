@@ -202,10 +202,10 @@ COSPLAT_API cosplat_status cosplat_set_translation(cosplat_avatar* avatar,
 COSPLAT_API cosplat_status cosplat_advance(cosplat_avatar* avatar, int64_t now_ns);
 
 /* Sets a drive, a source of frames besides cosplat_set_..., whose newest frame cosplat_advance
- * takes: a recording (.npz or the folder of a tracked video), "stdin:", "udp://HOST:PORT",
- * "vmc://HOST:PORT" or an app on a phone (docs/live-input.md). NULL removes the drive. A recording
- * starts at the next cosplat_advance. On failure (COSPLAT_ERROR_DRIVE) the previous drive is kept.
- */
+ * takes: a recording (.npz or the folder of a tracked video), "webcam:", "audio:" (by the program
+ * cosplat in PATH), "stdin:", "udp://HOST:PORT", "vmc://HOST:PORT" or an app on a phone
+ * (docs/live-input.md). NULL removes the drive. A recording starts at the next cosplat_advance. On
+ * failure (COSPLAT_ERROR_DRIVE) the previous drive is kept. */
 COSPLAT_API cosplat_status cosplat_set_drive(cosplat_avatar* avatar, const char* drive);
 
 /* SOFT: expressions and joint angles beyond the range seen in training are compressed towards it.

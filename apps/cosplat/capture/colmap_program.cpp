@@ -7,9 +7,9 @@
 #include <memory>
 #include <sstream>
 
-#include "apps/cosplat/run/process.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "splat/base/error.h"
+#include "splat/base/process.h"
 
 namespace cosplat {
 namespace {

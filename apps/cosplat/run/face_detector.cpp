@@ -6,10 +6,10 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "apps/cosplat/run/process.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"
+#include "splat/base/process.h"
 #include "splat/base/text.h"
 #include "splat/media/image_io.h"
 

@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <utility>
 
-#include "apps/cosplat/run/process.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/process.h"
 
 namespace cosplat {
 namespace {

@@ -3,9 +3,9 @@
 #include <filesystem>
 #include <sstream>
 
-#include "apps/cosplat/run/process.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/process.h"
 
 namespace cosplat {
 namespace {

@@ -80,10 +80,5 @@ TEST(DriveAddress, APortThatIsTakenIsSaid) {
   ExpectError([&] { OpenLiveSource(taken); }, {taken, "already in use"});
 }
 
-TEST(DriveAddress, WhatOnlyTheCommandHasSaysSo) {
-  for (const char* drive : {"webcam:", "audio:speech.wav"})
-    ExpectError([&] { OpenLiveSource(drive); }, {drive, "`cosplat voice` send --to udp://"});
-}
-
 }  // namespace
 }  // namespace cosplat

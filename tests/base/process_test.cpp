@@ -1,5 +1,5 @@
 // Child processes: output, exit status, environment, and that none stays behind.
-#include "apps/cosplat/run/process.h"
+#include "splat/base/process.h"
 
 #include <gtest/gtest.h>
 #include <signal.h>
