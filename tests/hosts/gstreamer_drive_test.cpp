@@ -1,10 +1,6 @@
 // cosplatsrc with a face that moves.
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-
 #include "tests/hosts/gstreamer_fixture.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/stand_in_webcam.h"
 
 namespace cosplat::test {
 namespace {
@@ -58,17 +54,9 @@ TEST(CosplatSrcDrive, CountsWhatCame) {
 }
 
 TEST(CosplatSrcDrive, AWebcamIsTheCommandBesideThePipeline) {
-  const TemporaryFolder folder;
-  const std::string program = folder / "cosplat", path = std::getenv("PATH");
-  std::ofstream(program) << R"(#!/bin/sh
-i=0
-while sleep .02; do i=$((i+1)); echo "{\"seq\": $i, \"blendshapes\": {\"jawOpen\": 0.5}}"; done
-)";
-  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
-  setenv("PATH", (folder / "" + ":" + path).c_str(), 1);
+  const StandInWebcam webcam;
   Pipeline pipeline(Driven("webcam:1", "is-live=true fps=25 num-buffers=50"));
   const std::vector<PulledFrame> frames = pipeline.PlayAll();
-  setenv("PATH", path.c_str(), 1);
   ASSERT_EQ(frames.size(), 50u);
   EXPECT_NE(frames.back().bytes, frames.front().bytes);
 }

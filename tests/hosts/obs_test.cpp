@@ -2,8 +2,11 @@
 #include <util/platform.h>
 
 #include <algorithm>
+#include <chrono>
+#include <thread>
 
 #include "tests/hosts/obs_fixture.h"
+#include "tests/support/stand_in_webcam.h"
 
 namespace cosplat::test {
 namespace {
@@ -119,6 +122,22 @@ TEST_F(ObsSource, ShowsADrivenFace) {
   ASSERT_EQ(cosplat_set_drive(avatar, drive.c_str()), COSPLAT_OK);
   for (int64_t n = 0; n < 50; ++n)  // until it has come in from rest
     ASSERT_EQ(cosplat_advance(avatar, n * 40'000'000), COSPLAT_OK);
+  const std::vector<uint8_t> expected = Draw(avatar, OnBlack());
+  EXPECT_NE(expected, Draw(OnBlack()));
+  EXPECT_LE(obs->WaitFor(expected), 1);
+}
+
+TEST_F(ObsSource, ShowsTheFaceBeforeAWebcam) {
+  const StandInWebcam webcam;
+  const DataPointer settings = Settings();
+  obs_data_set_string(settings.get(), "drive", "webcam:");
+  const SourcePointer source = Add(settings);
+  const OpenAvatar avatar;
+  ASSERT_EQ(cosplat_set_drive(avatar, "webcam:"), COSPLAT_OK);
+  for (int64_t n = 0; n < 50; ++n) {  // until it has come in from rest
+    std::this_thread::sleep_for(std::chrono::milliseconds(40));
+    ASSERT_EQ(cosplat_advance(avatar, n * 40'000'000), COSPLAT_OK);
+  }
   const std::vector<uint8_t> expected = Draw(avatar, OnBlack());
   EXPECT_NE(expected, Draw(OnBlack()));
   EXPECT_LE(obs->WaitFor(expected), 1);
