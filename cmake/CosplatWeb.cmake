@@ -5,9 +5,9 @@
 # One compilation, linked twice: with shared memory and threads for pages that are cross-origin
 # isolated, without for all others.
 set(COSPLAT_HEADERS ${PROJECT_BINARY_DIR}/headers)  # of these packages, and nothing else of /usr/include
-foreach(header hwy nlohmann eigen3/Eigen tiny_gltf.h stb)
+foreach(header hwy nlohmann eigen3/Eigen tiny_gltf.h stb nanoflann.hpp CLI)
   if(NOT EXISTS /usr/include/${header})
-    message(FATAL_ERROR "/usr/include/${header} is missing: the web build needs libhwy-dev, "
+    message(FATAL_ERROR "/usr/include/${header} is missing: the web build needs libhwy-dev, libnanoflann-dev, libcli11-dev, "
             "nlohmann-json3-dev, libeigen3-dev, libtinygltf-dev and libstb-dev")
   endif()
   get_filename_component(name ${header} NAME)
@@ -46,7 +46,7 @@ cosplat_library(base
   splat/base/json.cpp
   splat/base/npy.cpp
   splat/base/npz.cpp
-  splat/base/process.cpp
+  splat/base/process_web.cpp
   splat/base/sha256.cpp
   splat/base/skipped.cpp
   splat/base/text.cpp
@@ -116,3 +116,4 @@ add_subdirectory(avatar/play)
 add_subdirectory(avatar/live)
 add_subdirectory(avatar/plugin)
 add_subdirectory(apps/web)
+include(CosplatWebTrainer)

@@ -171,7 +171,7 @@ const std::vector<FolderRule>& FolderRules() {
       {"apps/obs/", {"apps/obs/", "apps/hosts/"}},
       {"apps/viewer/", {"apps/viewer/", "avatar/", "flame/", "splat/"}},
       {"apps/charts/", {"apps/charts/"}},
-      {"apps/web/", {"apps/viewer/", "avatar/plugin/", "avatar/play/", "splat/"}},
+      {"apps/web/", {"apps/cosplat/", "apps/viewer/", "avatar/plugin/", "avatar/play/", "splat/"}},
       {"apps/cosplat/",
        {"apps/cosplat/", "apps/viewer/", "apps/charts/", "assets/", "avatar/", "flame/", "splat/"}},
       {"apps/study/",

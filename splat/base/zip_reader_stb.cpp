@@ -51,6 +51,22 @@ struct zip {
 };
 
 namespace cosplat {
+
+// CRC-32 of ISO 3309, section 4.4.7 of the specification.
+uint32_t Crc32(const void* bytes, size_t size, uint32_t before) {
+  static const std::array<uint32_t, 256> table = [] {
+    std::array<uint32_t, 256> t{};
+    for (uint32_t i = 0; i < 256; ++i) {
+      t[i] = i;
+      for (int bit = 0; bit < 8; ++bit) t[i] = t[i] >> 1 ^ (t[i] & 1 ? 0xedb88320u : 0);
+    }
+    return t;
+  }();
+  uint32_t crc = ~before;
+  const auto* next = static_cast<const uint8_t*>(bytes);
+  for (size_t i = 0; i < size; ++i) crc = crc >> 8 ^ table[(crc ^ next[i]) & 255];
+  return ~crc;
+}
 namespace {
 
 constexpr size_t kEndBytes = 22, kEntryBytes = 46, kHeaderBytes = 30, kEnd64Bytes = 56;
@@ -126,21 +142,6 @@ std::vector<Entry> ReadDirectory(const std::vector<char>& bytes) {
   return entries;
 }
 
-// CRC-32 of ISO 3309, section 4.4.7 of the specification.
-uint32_t Crc32(const std::vector<char>& bytes) {
-  static const std::array<uint32_t, 256> table = [] {
-    std::array<uint32_t, 256> t{};
-    for (uint32_t i = 0; i < 256; ++i) {
-      t[i] = i;
-      for (int bit = 0; bit < 8; ++bit) t[i] = t[i] >> 1 ^ (t[i] & 1 ? 0xedb88320u : 0);
-    }
-    return t;
-  }();
-  uint32_t crc = 0xffffffff;
-  for (const char c : bytes) crc = crc >> 8 ^ table[(crc ^ uint8_t(c)) & 255];
-  return ~crc;
-}
-
 // The bytes of a member. Throws std::string.
 std::vector<char> Unpack(const zip& archive, const Entry& entry) {
   constexpr uint64_t kLookAhead = 4;
@@ -165,7 +166,7 @@ std::vector<char> Unpack(const zip& archive, const Entry& entry) {
   } else {
     throw "has compression method " + std::to_string(entry.method);
   }
-  if (Crc32(out) != entry.crc) throw std::string("its checksum is wrong");
+  if (Crc32(out.data(), out.size()) != entry.crc) throw std::string("its checksum is wrong");
   return out;
 }
 
@@ -196,7 +197,7 @@ std::vector<char> Gunzip(const std::vector<char>& bytes) {
   const int written = stbi_zlib_decode_noheader_buffer(
       out.data(), int(size), bytes.data() + at, int(stored + kTrailer));
   if (written != int(size)) throw std::string("the compressed data are damaged");
-  if (Crc32(out) != At<uint32_t>(bytes, bytes.size() - kTrailer))
+  if (Crc32(out.data(), out.size()) != At<uint32_t>(bytes, bytes.size() - kTrailer))
     throw std::string("its checksum is wrong");
   return out;
 }

@@ -3,19 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <opencv2/imgproc.hpp>
 
 namespace cosplat {
 namespace {
-
-template <class T>
-cv::Mat MatOf(const BasicImage<T>& image) {
-  const int depth = std::is_same_v<T, float> ? CV_32F : CV_8U;
-  return cv::Mat(image.height,
-                 image.width,
-                 CV_MAKETYPE(depth, image.channels),
-                 const_cast<T*>(image.data.data()));
-}
 
 // Sums of a weighted linear regression on colours, in the order in which they are kept per pixel.
 struct Sums {
@@ -50,26 +40,10 @@ std::array<float, 4> Fit(const Sums& s, float epsilon) {
 
 }  // namespace
 
-Image BoxMean(const Image& image, int radius) {
-  Image result(image.width, image.height, image.channels);
-  cv::Mat out = MatOf(result);
-  const int size = 2 * radius + 1;
-  cv::boxFilter(MatOf(image), out, CV_32F, {size, size}, {-1, -1}, true, cv::BORDER_REFLECT);
-  return result;
-}
-
 Image Dilated(const Image& mask, int radius) {
   Image result = BoxMean(mask, radius);
   for (float& mean : result.data) mean = mean > 1e-6f ? 1.f : 0.f;
   return result;
-}
-
-ConnectedParts PartsOf(const Image8& mask) {
-  cv::Mat labels;
-  ConnectedParts parts;
-  parts.count = cv::connectedComponents(MatOf(mask), labels, 4, CV_32S) - 1;
-  parts.labels.assign(labels.begin<int>(), labels.end<int>());
-  return parts;
 }
 
 Image GuidedFilter(

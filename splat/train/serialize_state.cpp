@@ -124,15 +124,16 @@ void Serialize(
     a.Require(frame < frames, "frames_left", "names a frame that is not there");
   a.Value("count", gaussians);
   a.Require(gaussians > 0 && gaussians <= kMaxCount, "count", "is " + std::to_string(gaussians));
-  DescribeDivided(a, "gaussians", gaussians, false, shards, s.gaussians);
+  const auto count = size_t(gaussians);
+  DescribeDivided(a, "gaussians", count, false, shards, s.gaussians);
   const auto check = CheckDegrees(a, "gaussians.degrees", s.gaussians.degree);
-  DescribeOptional<uint8_t>({a, shards, "gaussians.degrees", gaussians, 1, 1, true, check},
+  DescribeOptional<uint8_t>({a, shards, "gaussians.degrees", count, 1, 1, true, check},
                             s.gaussians.degrees);
-  DescribeOptional<float>({a, shards, "gaussians.smoothing", gaussians}, s.gaussians.smoothing);
-  Serialize(a, s.gaussians, gaussians, shards, s.adam);
+  DescribeOptional<float>({a, shards, "gaussians.smoothing", count}, s.gaussians.smoothing);
+  Serialize(a, s.gaussians, count, shards, s.adam);
   DensityStatistics::ForEachArray(
       [&](const std::string& name, size_t width, Buffer<float>& own) {
-        const Divided<float> array{a, shards, "statistics." + name, gaussians, width};
+        const Divided<float> array{a, shards, "statistics." + name, count, width};
         array.Serialize(own);
       },
       s.statistics);
