@@ -55,7 +55,7 @@ void ServeFile(httplib::Server& server, const std::string& url, const std::strin
   });
 }
 
-constexpr const char* kRelayUrl = "/drive";
+constexpr const char *kRelayUrl = "/drive", *kStudio = "studio";
 
 // Of avatars; null without --relay.
 std::unique_ptr<Relay> OpenRelay(const ServeOptions& o) {
@@ -91,10 +91,8 @@ void OpenInBrowser(const std::string& url) {
   if (!program.empty()) RunProcess({program, url}, {}, [](const std::string&) {});
 }
 
-void Serve(const ServeOptions& o) {
-  const WebModel model = FindWebModel(o.model, o.flame);
-  const std::string folder = WebFolder("dist/player.wasm");
-  httplib::Server server;
+// The pages, and what they load.
+void ServePages(httplib::Server& server, const std::string& folder) {
   // What allows a page to share memory between threads.
   server.set_default_headers({{"Cross-Origin-Opener-Policy", "same-origin"},
                               {"Cross-Origin-Embedder-Policy", "require-corp"},
@@ -106,19 +104,36 @@ void Serve(const ServeOptions& o) {
                                         std::pair("js", "text/javascript"),
                                         std::pair("wasm", "application/wasm")})
     server.set_file_extension_and_mimetype_mapping(extension, type);
+  server.Get("/service-worker.js", [folder](const httplib::Request&, httplib::Response& out) {
+    const std::vector<char> bytes = ReadFile(folder + "/service-worker.js");
+    out.set_content(bytes.data(), bytes.size(), "text/javascript");
+  });
+}
+
+void ServeModel(httplib::Server& server, const WebModel& model, const Relay* relay) {
   Json description = Description(model);
-  const std::unique_ptr<Relay> relay = OpenRelay(o);
-  if (relay) {
-    ServeRelay(server, *relay);
-    description["drive"] = std::string("events:") + kRelayUrl;
-  }
-  server.Get("/model.json", [&](const httplib::Request&, httplib::Response& out) {
+  if (relay) description["drive"] = std::string("events:") + kRelayUrl;
+  server.Get("/model.json", [description](const httplib::Request&, httplib::Response& out) {
     out.set_content(description.dump(), "application/json");
   });
   for (const auto& [field, path] : {std::pair("avatar", model.avatar),
                                     std::pair("flame", model.flame),
                                     std::pair("splats", model.splats)})
     if (!path.empty()) ServeFile(server, description[field], path);
+}
+
+void Serve(const ServeOptions& o) {
+  const bool makes = o.page == kStudio;
+  if (makes && (!o.model.empty() || !o.flame.empty() || !o.relay.empty()))
+    throw Error("--page studio", "makes an avatar, and takes no model, --flame or --relay");
+  if (!makes && o.model.empty()) throw Error("model", "is missing; only --page studio has none");
+  std::optional<WebModel> model;
+  if (!makes) model = FindWebModel(o.model, o.flame);
+  httplib::Server server;
+  ServePages(server, WebFolder(makes ? "dist/trainer.wasm" : "dist/player.wasm"));
+  const std::unique_ptr<Relay> relay = OpenRelay(o);
+  if (relay) ServeRelay(server, *relay);
+  if (model) ServeModel(server, *model, relay.get());
   const int port = o.port == 0 ? server.bind_to_any_port("127.0.0.1")
                                : (server.bind_to_port("127.0.0.1", o.port) ? o.port : -1);
   if (port < 0) throw Error("--port", Format("{} is in use; --port 0 takes a free one", o.port));
@@ -133,17 +148,14 @@ void Serve(const ServeOptions& o) {
 }  // namespace
 
 void AddServe(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("serve", "show a model in the browser, from a server on this machine");
+  CLI::App* command = app.add_subcommand(
+      "serve", "show a model in the browser, or make one there, from a server on this machine");
   const auto o = std::make_shared<ServeOptions>();
-  command
-      ->add_option("model",
-                   o->model,
-                   "a run's folder, an avatar (.glb) or splats (.ply, .splat, .spz, .sog)")
-      ->required();
+  command->add_option(
+      "model", o->model, "a run's folder, an avatar (.glb) or splats (.ply, .splat, .spz, .sog)");
   command->add_option("--flame", o->flame, "FLAME model file; the one trained with if not given");
-  command->add_option("--page", o->page, "the page to open")
-      ->check(CLI::IsMember({"gallery", "obs", "webcam"}));
+  command->add_option("--page", o->page, "the page to open; studio: film yourself, without a model")
+      ->check(CLI::IsMember({"gallery", "obs", "webcam", kStudio}));
   command->add_option(
       "--relay", o->relay, "a live drive, as of play, for pages, which have no UDP: vts://PHONE");
   command->add_option("--port", o->port, "0: a free one")->check(CLI::Range(0, 65535));

@@ -48,6 +48,8 @@ TEST(WebCommands, BadInputIsNamed) {
   ExpectRefused({"serve", folder / "none.glb", "--flame", "f.npz"}, "none.glb");
   ExpectRefused({"serve", "x.ply", "--page", "cinema"}, "--page");
   ExpectRefused({"serve", "x.ply", "--port", "70000"}, "--port");
+  ExpectRefused({"serve"}, "model: is missing; only --page studio has none");
+  ExpectRefused({"serve", "x.ply", "--page", "studio"}, "--page studio");
   ExpectRefused({"export", "--splats", folder / "none.ply", "--html", page}, "none.ply");
   const std::string packed = folder / "scene.sog";
   const CommandResult written =

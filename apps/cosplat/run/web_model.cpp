@@ -68,7 +68,7 @@ std::string WebFolder(const std::string& file) {
   const fs::path installed = self.parent_path().parent_path() / "share/cosplat/web";
   const fs::path folder = fs::exists(installed / "package.json") ? installed : COSPLAT_WEB_FOLDER;
   if (!fs::exists(folder / file))
-    throw Error((folder / file).string(), "is missing: `./run web` builds the browser's player");
+    throw Error((folder / file).string(), "is missing: `./run web` builds what pages need");
   return folder.string();
 }
 

@@ -140,6 +140,17 @@ export class Avatar {
     if (this.memory.lines.length > 4096) this.memory.lines.shift();  // nobody advances
   }
 
+  // What a camera sees, for the drive "frames": {camera, width, height, time, milliseconds, points} as
+  // apps/landmarks/page/camera.js has it. Scores and the head are beside the first half second's.
+  sendPoints(seen) {
+    const { module } = this.memory;
+    const line = this.memory.withText(JSON.stringify(seen), (text) => module.UTF8ToString(module._cosplat_web_camera_face(text)));
+    if (line) this.send(line);
+  }
+  calibrate() {
+    this.memory.module._cosplat_web_calibrate();
+  }
+
   // {holdS, decayS, blendInS, range, smoothing, minCutoffHz, beta, loop, framesPerSecond}.
   setPolicy(policy = {}) {
     const number = (names, value) => (typeof value === "string" ? names.indexOf(value) : value);

@@ -79,6 +79,19 @@ export interface Frame {
   blendshapes?: Record<string, number>;
 }
 
+/** What a camera sees, by MediaPipe's face mesh. */
+export interface SeenFace {
+  camera: string;
+  /** Pixels. */
+  width: number;
+  height: number;
+  /** Milliseconds: when the frame was captured, and how long the face took to find. */
+  time: number;
+  milliseconds: number;
+  /** Of 478 points: [x, y, z] in pixels, z away from the camera; none: there is no face. */
+  points: number[][];
+}
+
 /** cosplat_policy; what is not given has its default. */
 export interface Policy {
   holdS?: number;
@@ -185,6 +198,10 @@ export class Avatar {
   /** A recording (.npz); "frames", to be sent by send(); null for none. */
   setDrive(drive: Source | "frames" | null): Promise<void>;
   send(frame: Frame | string): void;
+  /** For the drive "frames": scores and the head, beside those of the first half second. */
+  sendPoints(seen: SeenFace): void;
+  /** The neutral face is that of the next half second. */
+  calibrate(): void;
   setPolicy(policy?: Policy): void;
   health(): Health;
   setCamera(camera: Camera): void;
@@ -241,6 +258,8 @@ export class RemoteAvatar extends Remote {
   advance(now?: number): Promise<void>;
   setDrive(drive: Source | "frames" | null): Promise<void>;
   send(frame: Frame | string): void;
+  sendPoints(seen: SeenFace): void;
+  calibrate(): void;
   setPolicy(policy?: Policy): Promise<void>;
   health(): Promise<Health>;
 }

@@ -103,6 +103,12 @@ export class RemoteAvatar extends Remote {
   send(frame) {
     this.post("send", frame);
   }
+  sendPoints(seen) {
+    this.post("sendPoints", seen);
+  }
+  calibrate() {
+    this.post("calibrate");
+  }
   setPolicy(policy) {
     return this.call("setPolicy", [policy]);
   }

@@ -14,7 +14,8 @@ import path from "node:path";
 import { pathToFileURL } from "node:url";
 import { parseArgs } from "node:util";
 
-import { serve, software } from "./browser.mjs";
+import { serve } from "./browser.mjs";
+import { DevTools, sleep, until } from "./devtools.mjs";
 
 const { values } = parseArgs({
   options: Object.fromEntries(["cosplat", "chromium", "pictures"].map((name) => [name, { type: "string" }])),
@@ -26,68 +27,6 @@ process.on("exit", () => {
   for (const child of children) child.kill("SIGKILL");
   fs.rmSync(work, { recursive: true, force: true });
 });
-
-// Chromium's DevTools protocol over a pipe: messages that end in a zero byte.
-class DevTools {
-  constructor() {
-    this.count = 0;
-    this.answers = new Map();
-    const flags = [
-      "--headless=new", "--no-first-run", `--user-data-dir=${path.join(work, "profile")}`, ...software,
-      "--disable-dev-shm-usage", "--remote-debugging-pipe", "--use-fake-device-for-media-stream",
-      "--use-fake-ui-for-media-stream", ...(process.getuid?.() === 0 ? ["--no-sandbox"] : []),
-    ];
-    const stdio = ["ignore", "ignore", "ignore", "pipe", "pipe"];
-    const child = spawn(values.chromium, flags, { stdio });
-    children.push(child);
-    this.to = child.stdio[3];
-    let rest = "";
-    child.stdio[4].setEncoding("utf8").on("data", (text) => {
-      const parts = (rest + text).split("\0");
-      rest = parts.pop();
-      for (const part of parts) this.receive(JSON.parse(part));
-    });
-  }
-  receive({ id, result, error }) {
-    const answer = this.answers.get(id);
-    this.answers.delete(id);
-    if (error) answer?.reject(new Error(error.message));
-    else answer?.resolve(result);
-  }
-  ask(method, params = {}, sessionId = undefined) {
-    const id = ++this.count;
-    this.to.write(`${JSON.stringify({ id, method, params, sessionId })}\0`);
-    return new Promise((resolve, reject) => this.answers.set(id, { resolve, reject }));
-  }
-  async page(url, width, height) {
-    const { targetId } = await this.ask("Target.createTarget", { url: "about:blank" });
-    const { sessionId } = await this.ask("Target.attachToTarget", { targetId, flatten: true });
-    const ask = (method, params) => this.ask(method, params, sessionId);
-    await ask("Emulation.setDeviceMetricsOverride", { width, height, deviceScaleFactor: 1, mobile: width < 500 });
-    await ask("Page.enable");
-    await ask("Page.navigate", { url });
-    return {
-      ask,
-      async value(expression) {
-        const { result, exceptionDetails } = await ask("Runtime.evaluate", {
-          expression, awaitPromise: true, returnByValue: true, userGesture: true,
-        });
-        if (exceptionDetails) throw new Error(exceptionDetails.exception?.description ?? exceptionDetails.text);
-        return result.value;
-      },
-      close: () => devTools.ask("Target.closeTarget", { targetId }),
-    };
-  }
-}
-
-const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
-async function until(what, test) {
-  for (let i = 0; i < 200; ++i) {
-    if (await test()) return;
-    await sleep(100);
-  }
-  throw new Error(`not within 20 s: ${what}`);
-}
 
 function run(...args) {
   execFileSync(values.cosplat, [...args, "--quiet"], { stdio: "inherit" });
@@ -138,7 +77,7 @@ const pages = [
   { name: "offline-splats", url: pathToFileURL(inWork("scene.html")).href, isolated: false },
 ];
 
-const devTools = new DevTools();
+const devTools = new DevTools({ chromium: values.chromium, profile: path.join(work, "profile"), children });
 const shown = "document.querySelector('cosplat-avatar, cosplat-splats')";
 for (const { name, url, isolated, webcam, relay, gpu = false } of pages)
   for (const [width, height] of [[1280, 800], [390, 844]]) {

@@ -1,6 +1,7 @@
 // The declarations, used as a program would use them.
 import { type Health, openAvatar, openScene, RemoteAvatar } from "../src/index.js";
 import { usePlayCanvas } from "../src/playcanvas.js";
+import { AvatarTrainer } from "../src/trainer.js";
 
 const avatar = await openAvatar("avatar.glb", "flame.npz", { threads: 2 });
 avatar.setParameters({ expression: [1, 2], jaw: new Float32Array([0.1, 0, 0]), time: 0 });
@@ -19,5 +20,8 @@ const element = document.createElement("cosplat-avatar");
 element.addEventListener("error", (event) => console.log(event.message));
 element.setAttribute("renderer", opacity > 0 ? "gpu" : element.drawing);
 element.send("{}");
+const trainer = await AvatarTrainer.open({ threads: 1 });
+trainer.addFrame(0, new Uint8Array(1));
+await trainer.make(["--quality", "draft"]);
 // @ts-expect-error: there is no such joint
 element.setParameters({ chin: [0, 0, 0] });

@@ -1,0 +1,70 @@
+// Pages of headless Chromium by its DevTools protocol, over a pipe: messages that end in a zero byte.
+import { spawn } from "node:child_process";
+
+import { software } from "./browser.mjs";
+
+export class DevTools {
+  // flags: more of Chromium's.
+  constructor({ chromium, profile, children, flags: more = [] }) {
+    this.count = 0;
+    this.answers = new Map();
+    this.listeners = new Map();
+    const flags = [
+      "--headless=new", "--no-first-run", `--user-data-dir=${profile}`, ...software,
+      "--disable-dev-shm-usage", "--remote-debugging-pipe", "--use-fake-device-for-media-stream",
+      "--use-fake-ui-for-media-stream", ...more, ...(process.getuid?.() === 0 ? ["--no-sandbox"] : []),
+    ];
+    const stdio = ["ignore", "ignore", "ignore", "pipe", "pipe"];
+    const child = spawn(chromium, flags, { stdio });
+    children.push(child);
+    this.to = child.stdio[3];
+    let rest = "";
+    child.stdio[4].setEncoding("utf8").on("data", (text) => {
+      const parts = (rest + text).split("\0");
+      rest = parts.pop();
+      for (const part of parts) this.receive(JSON.parse(part));
+    });
+  }
+  receive({ id, result, error, method, params, sessionId }) {
+    if (method) return this.listeners.get(`${sessionId} ${method}`)?.(params);
+    const answer = this.answers.get(id);
+    this.answers.delete(id);
+    if (error) answer?.reject(new Error(error.message));
+    else answer?.resolve(result);
+  }
+  ask(method, params = {}, sessionId = undefined) {
+    const id = ++this.count;
+    this.to.write(`${JSON.stringify({ id, method, params, sessionId })}\0`);
+    return new Promise((resolve, reject) => this.answers.set(id, { resolve, reject }));
+  }
+  async page(url, width, height) {
+    const { targetId } = await this.ask("Target.createTarget", { url: "about:blank" });
+    const { sessionId } = await this.ask("Target.attachToTarget", { targetId, flatten: true });
+    const ask = (method, params) => this.ask(method, params, sessionId);
+    await ask("Emulation.setDeviceMetricsOverride", { width, height, deviceScaleFactor: 1, mobile: width < 500 });
+    await ask("Page.enable");
+    await ask("Page.navigate", { url });
+    return {
+      ask,
+      on: (method, use) => this.listeners.set(`${sessionId} ${method}`, use),
+      async value(expression) {
+        const { result, exceptionDetails } = await ask("Runtime.evaluate", {
+          expression, awaitPromise: true, returnByValue: true, userGesture: true,
+        });
+        if (exceptionDetails) throw new Error(exceptionDetails.exception?.description ?? exceptionDetails.text);
+        return result.value;
+      },
+      close: () => this.ask("Target.closeTarget", { targetId }),
+    };
+  }
+}
+
+export const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+// Waits for a test that holds; it may throw.
+export async function until(what, test, seconds = 20) {
+  for (let i = 0; i < 10 * seconds; ++i) {
+    if (await test()) return;
+    await sleep(100);
+  }
+  throw new Error(`not within ${seconds} s: ${what}`);
+}

@@ -1,0 +1,243 @@
+// The studio in headless Chromium, from a film to a playing avatar:
+//
+//   node studio.mjs --cosplat PROGRAM --chromium PROGRAM [--film FILE] [--quality draft] [--pictures FOLDER]
+//                   [--dist FOLDER] [--out avatar.glb] [--frames FOLDER]
+//
+// With --film only that, and how long each part took; --frames keeps its frames, for `cosplat avatar`. Otherwise with films of the made head: as a file,
+// by the camera, in a tab that is closed and goes on, without a network, and with what goes wrong.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import fs from "node:fs";
+import os from "node:os";
+import path from "node:path";
+import { parseArgs } from "node:util";
+
+import { serve } from "./browser.mjs";
+import { DevTools, sleep, until } from "./devtools.mjs";
+
+const { values } = parseArgs({
+  options: Object.fromEntries(["cosplat", "chromium", "film", "quality", "pictures", "dist", "out", "frames"].map((name) => [name, { type: "string" }])),
+});
+const here = import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname);
+const web = path.join(here, "..");
+const work = fs.mkdtempSync(path.join(os.tmpdir(), "cosplat-studio-"));
+const children = [];
+process.on("exit", () => {
+  for (const child of children) child.kill("SIGKILL");
+  try {
+    fs.rmSync(work, { recursive: true, force: true });
+  } catch {}  // the browser is still writing
+});
+const inWork = (name) => path.join(work, name);
+// [[path, base64]] of what the page has stored.
+const stored = (folder) => `(async () => {
+  const { Store } = await import("/pages/studio/store.js");
+  return (await (await Store.open()).all("${folder}")).map(({ path, bytes }) => {
+    let text = "";
+    for (let i = 0; i < bytes.length; i += 0x8000) text += String.fromCharCode(...bytes.subarray(i, i + 0x8000));
+    return [path, btoa(text)];
+  });
+})()`;
+async function save(page, folder, to) {
+  for (const [file, base64] of await page.value(stored(folder))) {
+    const name = to(path.basename(file));
+    fs.mkdirSync(path.dirname(name), { recursive: true });
+    fs.writeFileSync(name, Buffer.from(base64, "base64"));
+  }
+}
+const SECONDS = 1500;  // that an avatar may take
+
+const folders = { "/dist/": values.dist ?? path.join(web, "dist"), "/head/": inWork("head"), "/": web };
+const server = await serve({ folders });
+const origin = `http://127.0.0.1:${server.address().port}`;
+const browser = (name, ...flags) => new DevTools({ chromium: values.chromium, profile: inWork(name), children, flags });
+
+// The studio's page, and what is asked of other places than its own.
+async function studio(devTools, width = 1280) {
+  const page = await devTools.page("about:blank", width, 900);
+  page.elsewhere = [];
+  page.on("Network.requestWillBeSent", ({ request }) => {
+    if (!/^(blob|data):/.test(request.url) && !request.url.startsWith(origin)) page.elsewhere.push(request.url);
+  });
+  await page.ask("Network.enable");
+  await page.ask("Page.navigate", { url: `${origin}/pages/studio.html` });
+  page.text = (id) => page.value(`document.getElementById("${id}")?.textContent ?? ""`);
+  page.picture = async (name) => {
+    if (!values.pictures) return;
+    fs.mkdirSync(values.pictures, { recursive: true });
+    const { data } = await page.ask("Page.captureScreenshot", { format: "png" });
+    fs.writeFileSync(path.join(values.pictures, `${name}-${width}.png`), Buffer.from(data, "base64"));
+  };
+  page.ready = () => until("the studio is ready", () => page.value("document.getElementById('drop')?.dataset.ready === 'true'"));
+  page.quality = (quality) => page.value(`document.getElementById("quality").value = ${JSON.stringify(quality)}`);
+  page.problem = () => page.value("document.querySelector('.problem')?.textContent ?? ''");
+  page.plays = () => page.value("Boolean(document.querySelector('cosplat-avatar')?.remote)");
+  await page.ready();
+  return page;
+}
+
+// A file of the disk, as if it were chosen.
+async function choose(page, file) {
+  const { root } = await page.ask("DOM.getDocument");
+  const { nodeId } = await page.ask("DOM.querySelector", { nodeId: root.nodeId, selector: "#file" });
+  await page.ask("DOM.setFileInputFiles", { nodeId, files: [path.resolve(file)] });
+}
+
+// Until the avatar is done; says when each part began.
+async function made(page, name) {
+  const begun = performance.now(), clock = () => `${((performance.now() - begun) / 1000).toFixed(1).padStart(6)} s`;
+  let last = "", shown = false;
+  await until(`${name}: the avatar is done`, async () => {
+    const now = await page.text("step"), title = now.split(":")[0];
+    assert.equal(await page.problem(), "", name);
+    if (title !== last) {
+      console.log(clock(), now);
+      last = title;
+      await page.picture(`${name}-${title.split(" ")[0].toLowerCase()}`);
+      if (values.frames && title === "Looking for the head") await save(page, "/frames/", (file) => path.join(values.frames, file));
+    }
+    if (!shown && (await page.plays())) {
+      shown = true;
+      console.log(clock(), "an avatar plays");
+      await sleep(1000);
+      await page.picture(`${name}-first`);
+    }
+    return now.startsWith("Done");
+  }, SECONDS);
+  await sleep(1500);
+  await page.picture(`${name}-done`);
+  assert.ok(await page.plays(), name);
+  assert.deepEqual(page.elsewhere, [], name);
+}
+
+if (values.film) {
+  const page = await studio(browser("profile"));
+  await page.picture("begin");
+  await page.quality(values.quality ?? "draft");
+  await choose(page, values.film);
+  await made(page, "film");
+  console.log(await page.text("log"));
+  console.log(`memory of the trainer: ${await page.value("document.documentElement.dataset.megabytes")} MB`);
+  if (values.out) await save(page, "/avatar.glb", () => values.out);
+  process.exit(0);
+}
+
+// The made head's film: what a recorder writes, and what a camera is played.
+// Without the frames from all around, which come last.
+const FRAMES = 80, SIZE = 384;
+execFileSync(values.cosplat, ["make-head", "-o", inWork("head"), "--frontal", "--frames", String(FRAMES + 60), "--size", String(SIZE), "--quiet"], { stdio: "inherit" });
+const devTools = browser("profile");
+const page = await studio(devTools);
+await page.picture("begin");
+const planes = await page.value(`(async () => {
+  const canvas = Object.assign(document.createElement("canvas"), { width: ${SIZE}, height: ${SIZE} });
+  const context = canvas.getContext("2d", { willReadFrequently: true });
+  const recorder = new MediaRecorder(canvas.captureStream(25), { videoBitsPerSecond: 2e7 }), parts = [];
+  recorder.ondataavailable = ({ data }) => parts.push(data);
+  const stopped = new Promise((resolve) => (recorder.onstop = resolve));
+  recorder.start();
+  let frames = "";
+  for (let i = 1; i <= ${FRAMES}; ++i) {
+    context.drawImage(await createImageBitmap(await (await fetch("/head/image/" + i + ".png")).blob()), 0, 0);
+    await new Promise((resolve) => setTimeout(resolve, 40));
+    const { data } = context.getImageData(0, 0, ${SIZE}, ${SIZE});
+    for (let k = 0; k < data.length; k += 4) frames += String.fromCharCode(data[k], data[k + 1], data[k + 2]);
+  }
+  recorder.stop();
+  await stopped;
+  globalThis.film = new File(parts, "film.webm");
+  return btoa(frames);
+})()`);
+// 4:2:0, BT.601.
+function writeY4m(file, rgb) {
+  const out = [Buffer.from(`YUV4MPEG2 W${SIZE} H${SIZE} F25:1 Ip A1:1 C420jpeg\n`)];
+  for (let f = 0; f < FRAMES; ++f) {
+    const at = (x, y) => 3 * ((f * SIZE + y) * SIZE + x);
+    const luma = Buffer.alloc(SIZE * SIZE), chroma = [Buffer.alloc((SIZE * SIZE) / 4), Buffer.alloc((SIZE * SIZE) / 4)];
+    for (let y = 0; y < SIZE; ++y)
+      for (let x = 0; x < SIZE; ++x) {
+        const [r, g, b] = rgb.subarray(at(x, y), at(x, y) + 3), l = 0.299 * r + 0.587 * g + 0.114 * b;
+        luma[y * SIZE + x] = Math.round(l);
+        if (x % 2 || y % 2) continue;
+        const k = (y / 2) * (SIZE / 2) + x / 2;
+        chroma[0][k] = Math.round(128 + (b - l) / 1.772);
+        chroma[1][k] = Math.round(128 + (r - l) / 1.402);
+      }
+    out.push(Buffer.from("FRAME\n"), luma, ...chroma);
+  }
+  fs.writeFileSync(file, Buffer.concat(out));
+}
+writeY4m(inWork("camera.y4m"), Buffer.from(planes, "base64"));
+
+// A file without a face, or that is none, says so, and the page goes on.
+async function drop(page, file) {
+  await page.value(`(() => {
+    const transfer = new DataTransfer();
+    transfer.items.add(${file});
+    const input = document.getElementById("file");
+    input.files = transfer.files;
+    input.dispatchEvent(new Event("change"));
+  })()`);
+}
+async function refused(page, file, words) {
+  await drop(page, file);
+  await until(`refused: ${words}`, async () => words.test(await page.problem()), 60);
+  console.log(`refused: ${await page.problem()}`);
+}
+await page.quality("draft");
+await refused(page, 'new File(["no video"], "notes.mp4")', /notes\.mp4: is no video that this browser plays/);
+await page.value(`(async () => {
+  const canvas = Object.assign(document.createElement("canvas"), { width: 64, height: 64 }), parts = [];
+  const context = canvas.getContext("2d"), recorder = new MediaRecorder(canvas.captureStream(25));
+  recorder.ondataavailable = ({ data }) => parts.push(data);
+  const stopped = new Promise((resolve) => (recorder.onstop = resolve));
+  recorder.start();
+  for (let i = 0; i < 20; ++i) {
+    context.fillRect(i, i, 9, 9);
+    await new Promise((resolve) => setTimeout(resolve, 40));
+  }
+  recorder.stop();
+  await stopped;
+  globalThis.wall = new File(parts, "wall.webm");
+})()`);
+await refused(page, "globalThis.wall", /no face/);
+
+// A tab that is killed in the middle of the training goes on where it was.
+await drop(page, "globalThis.film");
+await until("the training has begun", async () => /^Training: [1-9]\d\d/.test(await page.text("step")), SECONDS);
+const at = await page.text("step");
+await until("a checkpoint is kept", () => page.value(`(async () => {
+  const { Store } = await import("/pages/studio/store.js");
+  return (await (await Store.open()).all("/me/avatar/")).some(({ path }) => path.includes("checkpoint"));
+})()`), 120);
+await page.close();
+console.log(`closed at ${at}`);
+const again = await studio(devTools);
+await made(again, "again");
+const log = await again.text("log");
+assert.match(log, /resumed at step (?!2,000 )/);
+console.log(log.split("\n").filter((line) => /PSNR|resum/.test(line)).join("\n"));
+
+// Without a network.
+await until("all is in the cache", () => again.value("document.documentElement.dataset.offline === 'true'"), 120);
+await again.ask("Network.emulateNetworkConditions", { offline: true, latency: 0, downloadThroughput: 0, uploadThroughput: 0 });
+await again.ask("Page.reload");
+await again.ready();
+await until("the earlier avatar plays without a network", () => again.plays());
+await again.close();
+
+// By the camera, on a phone's width.
+const filmed = await studio(browser("camera", `--use-file-for-fake-video-capture=${inWork("camera.y4m")}`), 390);
+await filmed.quality("draft");
+await filmed.value("document.getElementById('camera').click()");
+await until("frames are taken", async () => /\([1-9]\d* frames\)/.test(await filmed.text("status")), 60);
+await filmed.picture("coach");
+await made(filmed, "camera");
+const overflow = await filmed.value("document.documentElement.scrollWidth - innerWidth");
+assert.ok(overflow <= 0, `${overflow} px wider than the window`);
+await filmed.value("document.getElementById('live').click()");
+await until("the camera moves it", async () => /^[1-9]\d* faces per second/.test(await filmed.text("status")), 60);
+const health = await filmed.value("document.querySelector('cosplat-avatar').health()");
+assert.ok(health.accepted > 0 && health.driveMalformed === 0, JSON.stringify(health));
+await filmed.picture("live");
+process.exit(0);
