@@ -100,7 +100,8 @@ export class AvatarTrainer extends EventTarget {
   make(options = []) {
     return new Promise((resolve, reject) => {
       this.settle = { resolve, reject };
-      this.worker.postMessage({ run: ["avatar", "/frames", "-o", "/me", "--resume", ...options] });
+      // As many threads as the module has been given: others could not start while it works.
+      this.worker.postMessage({ run: ["avatar", "/frames", "-o", "/me", "--resume", "--threads", String(this.threads), ...options] });
     });
   }
 

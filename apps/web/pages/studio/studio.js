@@ -48,6 +48,12 @@ async function keep(path, bytes) {
   }
 }
 
+// In the camera's place, once it is off.
+function showFrame(bytes) {
+  byId("video").hidden = true;
+  byId("shown").replaceChildren(make("img", { src: URL.createObjectURL(new Blob([bytes])), alt: "the film" }));
+}
+
 // It stands still while another is being made, which would have to share the processor.
 let face = null;
 function showAvatar(bytes, moves) {
@@ -122,6 +128,7 @@ function fromFile(file) {
   guarded(() => fromFrames(quality, async (use) => {
     const video = byId("video");
     video.hidden = false;
+    byId("shown").replaceChildren();
     video.classList.add("plain");
     const { width, height, seconds } = await openVideo(video, file);
     say(`${file.name}: ${width}x${height}, ${clock(seconds)}`);
@@ -133,21 +140,24 @@ function fromCamera() {
   const quality = byId("quality").value;
   guarded(() => fromFrames(quality, async (use) => {
     const video = byId("video");
-    let stream = null, finder = null;
+    let stream = null, finder = null, lastFrame = null;
     try {
       stream = await navigator.mediaDevices.getUserMedia({ video: { width: 1280, height: 720, facingMode: "user" } });
       video.hidden = false;
+      byId("shown").replaceChildren();
       video.classList.remove("plain");
       video.srcObject = stream;
       await video.play();
       say("Loading what finds your face");
       finder = await FaceFinder.open({ faces: 1 });
       const count = await film({
-        video, finder, say, use,
+        video, finder, say,
+        use: (number, bytes) => use(number, (lastFrame = bytes)),
         ring: byId("ring"), list: byId("coach"), signal: stopped.signal, most: QUALITIES[quality].frames,
       });
       if (stopped.signal.aborted) throw new Error("stopped");
       say(`${count} frames`);
+      showFrame(lastFrame);
     } catch (error) {
       throw new Error(`camera: ${error.message ?? error}`);
     } finally {
