@@ -72,7 +72,7 @@ async function studio(devTools, width = 1280, origin = isolated) {
   };
   page.ready = () => until("the studio is ready", () => page.value("document.getElementById('drop')?.dataset.ready === 'true'"));
   page.quality = (quality) => page.value(`document.getElementById("quality").value = ${JSON.stringify(quality)}`);
-  page.problem = () => page.value("document.querySelector('.problem')?.textContent ?? ''");
+  page.problem = () => page.value("document.querySelector('#status.problem')?.textContent ?? ''");
   page.plays = () => page.value("Boolean(document.querySelector('cosplat-avatar')?.remote)");
   await page.ready();
   return page;
@@ -204,6 +204,16 @@ await page.value(`(async () => {
 })()`);
 await refused(page, "globalThis.wall", /no face/);
 
+// A full storage costs what a closed tab would go on from, and nothing else; Stop ends at once.
+await page.value(`globalThis.put = IDBObjectStore.prototype.put;
+  IDBObjectStore.prototype.put = () => { throw new DOMException("full", "QuotaExceededError"); }`);
+await drop(page, "globalThis.film");
+await until("the storage is said to be full", async () => /storage is full/.test(await page.text("kept")), 60);
+await until("it is made all the same", async () => /^(Cutting|Finding|Looking)/.test(await page.text("step")), 60);
+await page.value("IDBObjectStore.prototype.put = globalThis.put; document.getElementById('stop').click()");
+await until("it has stopped", async () => (await page.text("status")) === "Stopped.", 5);
+assert.ok(await page.value("!document.getElementById('file').disabled"));
+
 // A tab that is killed in the middle of the training goes on where it was.
 await drop(page, "globalThis.film");
 await until("the training has begun", async () => /^Training: [1-9]\d\d/.test(await page.text("step")), SECONDS);
@@ -244,4 +254,11 @@ await until("the camera moves it", async () => /^[1-9]\d* faces per second/.test
 const health = await filmed.value("document.querySelector('cosplat-avatar').health()");
 assert.ok(health.accepted > 0 && health.driveMalformed === 0, JSON.stringify(health));
 await filmed.picture("live");
+
+// A camera that goes away in the middle of a film.
+await filmed.value("document.getElementById('camera').click()");
+await until("frames are taken again", async () => /\([1-9]\d* frames\)/.test(await filmed.text("status")), 60);
+await filmed.value("document.getElementById('video').srcObject.getTracks()[0].stop()");
+await until("the camera is missed", async () => (await filmed.problem()) === "camera: the camera has gone", 20);
+assert.ok(await filmed.plays(), "the avatar is still there");
 process.exit(0);

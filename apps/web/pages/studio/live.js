@@ -4,7 +4,7 @@ import { FaceFinder } from "../../src/trainer.js";
 
 const SIZE = { width: 640, height: 480 };
 
-// element: a <cosplat-avatar>. Resolves when the camera or the element has gone.
+// element: a <cosplat-avatar>. Resolves when it is hidden; rejects when the camera has gone.
 export async function drive(element, video, say) {
   const stream = await navigator.mediaDevices.getUserMedia({ video: { ...SIZE, facingMode: "user" } });
   const [track] = stream.getVideoTracks();
@@ -18,7 +18,7 @@ export async function drive(element, video, say) {
     element.setAttribute("drive", "frames");
     say("Look straight into the camera");
     let seen = 0, since = performance.now();
-    while (element.isConnected && track.readyState === "live") {
+    while (element.checkVisibility() && track.readyState === "live") {
       await new Promise((resolve) => requestAnimationFrame(resolve));
       const time = performance.now();
       const image = await createImageBitmap(video), { width, height } = image;
@@ -31,7 +31,7 @@ export async function drive(element, video, say) {
       seen = 0;
       since = now;
     }
-    if (element.isConnected) throw new Error(`${track.label} has gone`);
+    if (element.checkVisibility()) throw new Error(`${track.label} has gone`);
   } finally {
     for (const each of stream.getTracks()) each.stop();
     finder?.close();

@@ -44,14 +44,13 @@ async function keep(path, bytes) {
     await store.put(path, bytes);
   } catch (error) {
     full = true;
-    say(`this browser's storage is full (${error.name}): a closed tab will begin again`, true);
+    byId("kept").textContent = `This browser's storage is full (${error.name}): a closed tab will begin again`;
   }
 }
 
-// In the camera's place, once it is off.
-function showFrame(bytes) {
-  byId("video").hidden = true;
-  byId("shown").replaceChildren(make("img", { src: URL.createObjectURL(new Blob([bytes])), alt: "the film" }));
+// One of: "video", "frame" (the film's last, once the camera is off), "shown" (the avatar).
+function stage(which) {
+  for (const id of ["video", "frame", "shown"]) byId(id).hidden = id !== which;
 }
 
 // It stands still while another is being made, which would have to share the processor.
@@ -59,8 +58,7 @@ let face = null;
 function showAvatar(bytes, moves) {
   avatar = bytes;
   const file = new File([bytes], "avatar.glb");
-  if (!element?.isConnected) {
-    byId("video").hidden = true;
+  if (!element) {
     element = show({ title: "you", avatar: file }, byId("shown"), byId("status"));
     face = faceControls(element);
     byId("controls").replaceChildren(face.controls, lookControls(element));
@@ -69,6 +67,7 @@ function showAvatar(bytes, moves) {
     element.load(file);
   }
   byId("play").hidden = false;
+  stage("shown");
 }
 
 async function train(quality, files = []) {
@@ -98,13 +97,15 @@ async function guarded(work) {
   busy(true);
   stopped = new AbortController();
   full = false;
+  byId("kept").textContent = "";
   byId("log").textContent = "";
   try {
     trainer = await AvatarTrainer.open({ threads: Number(query.get("threads")) || undefined });
     await work();
   } catch (error) {
-    say(stopped.signal.aborted ? "Stopped." : error.message ?? String(error), !stopped.signal.aborted);
     step("", 0);
+    if (avatar) stage("shown");
+    say(stopped.signal.aborted ? "Stopped." : error.message ?? String(error), !stopped.signal.aborted);
     await store?.remove("/quality").catch(() => {});  // it is not begun again by itself
   }
   trainer?.close();
@@ -114,6 +115,7 @@ async function guarded(work) {
 
 async function fromFrames(quality, frames) {
   await store?.clear().catch(() => {});
+  if (avatar) await keep("/avatar.glb", avatar);
   await keep("/quality", quality);
   await frames(async (number, bytes) => {
     const path = `/frames/${String(number).padStart(5, "0")}.jpg`;
@@ -127,8 +129,7 @@ function fromFile(file) {
   const quality = byId("quality").value;
   guarded(() => fromFrames(quality, async (use) => {
     const video = byId("video");
-    video.hidden = false;
-    byId("shown").replaceChildren();
+    stage("video");
     video.classList.add("plain");
     const { width, height, seconds } = await openVideo(video, file);
     say(`${file.name}: ${width}x${height}, ${clock(seconds)}`);
@@ -143,8 +144,7 @@ function fromCamera() {
     let stream = null, finder = null, lastFrame = null;
     try {
       stream = await navigator.mediaDevices.getUserMedia({ video: { width: 1280, height: 720, facingMode: "user" } });
-      video.hidden = false;
-      byId("shown").replaceChildren();
+      stage("video");
       video.classList.remove("plain");
       video.srcObject = stream;
       await video.play();
@@ -157,7 +157,8 @@ function fromCamera() {
       });
       if (stopped.signal.aborted) throw new Error("stopped");
       say(`${count} frames`);
-      showFrame(lastFrame);
+      byId("frame").src = URL.createObjectURL(new Blob([lastFrame]));
+      stage("frame");
     } catch (error) {
       throw new Error(`camera: ${error.message ?? error}`);
     } finally {
