@@ -41,7 +41,8 @@ void OpenMouth(ProceduralHead& head) {
   Keep(kept, count, 1, head.ambient_occlusion);
   for (auto& face : mesh.faces)
     for (int32_t& v : face) v = place[size_t(v)];
-  std::erase_if(mesh.faces, [](const auto& face) { return *std::ranges::min_element(face) < 0; });
+  std::erase_if(mesh.faces,
+                [](const auto& face) { return *std::min_element(face.begin(), face.end()) < 0; });
   for (std::vector<int>* loop :
        {&mesh.neck_loop, &mesh.throat_loop, &mesh.lid_loops[0], &mesh.lid_loops[1], &mesh.lip_loop})
     Renumber(place, *loop);
