@@ -99,6 +99,12 @@ void PostError(gpointer src, const ViewError& error) {
   }
 }
 
+// A live drive does not wait: a pipeline without a clock of its own makes a whole film of its first
+// face.
+bool IsLiveDrive(const std::string& drive) {
+  return drive.find("://") != drive.npos || drive.starts_with("webcam:") || drive == "audio:";
+}
+
 gboolean Start(GstBaseSrc* src) {
   const SrcSettings settings = SettingsOf(src);
   CosplatSrcState& state = StateOf(src);
@@ -108,6 +114,13 @@ gboolean Start(GstBaseSrc* src) {
     PostError(src, error);
     return FALSE;
   }
+  if (!settings.is_live && IsLiveDrive(settings.view.drive))
+    GST_ELEMENT_WARNING(
+        src,
+        RESOURCE,
+        SETTINGS,
+        ("drive: %s comes at the clock's pace, is-live=false may not", settings.view.drive.c_str()),
+        (nullptr));
   state.clock.Reset();
   state.ended = false;
   GST_OBJECT_LOCK(src);

@@ -61,6 +61,15 @@ TEST(CosplatSrcDrive, AWebcamIsTheCommandBesideThePipeline) {
   EXPECT_NE(frames.back().bytes, frames.front().bytes);
 }
 
+TEST(CosplatSrcDrive, ALiveOneInAPipelineThatIsNotIsWarnedOf) {
+  Pipeline wrong(Driven("udp://127.0.0.1:0", "num-buffers=2"));
+  EXPECT_EQ(wrong.PlayAll().size(), 2u);
+  EXPECT_NE(wrong.Warning(GST_SECOND).find("is-live=false"), std::string::npos);
+  Pipeline live(Driven("udp://127.0.0.1:0", "is-live=true fps=50 num-buffers=2"));
+  EXPECT_EQ(live.PlayAll().size(), 2u);
+  EXPECT_EQ(live.Warning(0), "");
+}
+
 TEST(CosplatSrcDrive, ABadOneIsAnErrorInTheLibrarysWords) {
   const OpenAvatar avatar;
   for (const std::string drive : {"/no/such.npz", "udp://nowhere:x"}) {

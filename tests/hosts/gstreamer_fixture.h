@@ -90,11 +90,21 @@ class Pipeline {
 
   // The first error that the pipeline posts within this time; "" if there is none.
   std::string Error(GstClockTime within) {
+    return Told(GST_MESSAGE_ERROR, gst_message_parse_error, within);
+  }
+  std::string Warning(GstClockTime within) {
+    return Told(GST_MESSAGE_WARNING, gst_message_parse_warning, within);
+  }
+
+ private:
+  std::string Told(GstMessageType type,
+                   void (*parse)(GstMessage*, GError**, char**),
+                   GstClockTime within) {
     GstBus* bus = gst_element_get_bus(pipeline_);
     std::string text;
-    if (GstMessage* message = gst_bus_timed_pop_filtered(bus, within, GST_MESSAGE_ERROR)) {
+    if (GstMessage* message = gst_bus_timed_pop_filtered(bus, within, type)) {
       GError* error = nullptr;
-      gst_message_parse_error(message, &error, nullptr);
+      parse(message, &error, nullptr);
       text = error->message;
       g_error_free(error);
       gst_message_unref(message);
@@ -103,7 +113,6 @@ class Pipeline {
     return text;
   }
 
- private:
   GstElement* pipeline_;
   GstAppSink* sink_;
 };
