@@ -44,6 +44,7 @@ set(COSPLAT_PRIVATE_HEADERS
   flame/kernels/
   splat/base/compression.h
   splat/media/libav.h
+  splat/media/opencv_mat.h
   splat/media/sound_track.h
   splat/media/video_stream.h
   splat/onnx/onnx_file.h

@@ -26,7 +26,8 @@ target_sources(cosplat_base PRIVATE
   splat/media/matte.cpp
   splat/media/refine_mattes.cpp
   splat/media/signed_distance.cpp
-  splat/media/still_background.cpp)
+  splat/media/still_background.cpp
+  splat/media/write_image.cpp)
 target_link_libraries(cosplat_base PRIVATE TBB::tbb)
 add_library(cosplat::media ALIAS cosplat_base)
 target_sources(cosplat_io PRIVATE splat/io/cameras_json.cpp splat/io/color_weights.cpp)
@@ -42,25 +43,7 @@ target_sources(cosplat_flame_track PRIVATE
   flame/io/track_images.cpp
   flame/io/track_masks.cpp)
 target_link_libraries(cosplat_flame_track PRIVATE TBB::tbb)
-cosplat_library(flame_fit
-  flame/fit/choose_faces.cpp
-  flame/fit/choose_frames.cpp
-  flame/fit/face_texture.cpp
-  flame/fit/field_cost.cpp
-  flame/fit/fit_landmarks.cpp
-  flame/fit/frame_field.cpp
-  flame/fit/frame_priors.cpp
-  flame/fit/hair_offset.cpp
-  flame/fit/head_crop.cpp
-  flame/fit/landmark_cost.cpp
-  flame/fit/landmark_embedding.cpp
-  flame/fit/landmark_scores.cpp
-  flame/fit/measure_fit.cpp
-  flame/fit/points_on_flame.cpp
-  flame/fit/refine_track.cpp
-  flame/fit/silhouette.cpp)
-target_link_libraries(cosplat_flame_fit
-  PUBLIC cosplat::flame_track PRIVATE cosplat::flame Ceres::ceres Eigen3::Eigen TBB::tbb)
+add_subdirectory(flame/fit)
 add_subdirectory(avatar/train)
 add_subdirectory(assets)
 add_subdirectory(apps/charts)

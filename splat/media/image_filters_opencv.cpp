@@ -2,20 +2,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "splat/media/image_filters.h"
+#include "splat/media/opencv_mat.h"
 
 namespace cosplat {
-namespace {
-
-template <class T>
-cv::Mat MatOf(const BasicImage<T>& image) {
-  const int depth = std::is_same_v<T, float> ? CV_32F : CV_8U;
-  return cv::Mat(image.height,
-                 image.width,
-                 CV_MAKETYPE(depth, image.channels),
-                 const_cast<T*>(image.data.data()));
-}
-
-}  // namespace
 
 Image BoxMean(const Image& image, int radius) {
   Image result(image.width, image.height, image.channels);

@@ -12,18 +12,10 @@
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/text.h"
+#include "splat/media/opencv_mat.h"
 
 namespace cosplat {
 namespace {
-
-template <class T>
-cv::Mat Wrap(const BasicImage<T>& image) {
-  const int depth = std::is_same_v<T, float> ? CV_32F : CV_8U;
-  return cv::Mat(image.height,
-                 image.width,
-                 CV_MAKETYPE(depth, image.channels),
-                 const_cast<T*>(image.data.data()));
-}
 
 std::string ExtensionOf(const std::string& path) {
   const size_t dot = path.rfind('.');
@@ -41,14 +33,14 @@ cv::Mat SwapRedBlue(const cv::Mat& image) {
 
 Image8 ToImage8(const cv::Mat& mat) {
   Image8 image(mat.cols, mat.rows, mat.channels());
-  mat.copyTo(Wrap(image));
+  mat.copyTo(MatOf(image));
   return image;
 }
 
 // Colour times alpha, as floats in [0, 255], so that averages weight colour by coverage.
 cv::Mat Premultiplied(const Image8& image) {
   cv::Mat result;
-  Wrap(image).convertTo(result, CV_32F);
+  MatOf(image).convertTo(result, CV_32F);
   if (image.channels != 4) return result;
   for (int y = 0; y < result.rows; ++y) {
     cv::Vec4f* row = result.ptr<cv::Vec4f>(y);
@@ -81,7 +73,7 @@ bool IsPremultiplied(const ExifInfo& exif, int depth) {
 cv::Mat Divided(const cv::Mat& bgra) {
   cv::Mat floats;
   bgra.convertTo(floats, CV_32F);
-  return Wrap(Unpremultiplied(floats)).clone();
+  return MatOf(Unpremultiplied(floats)).clone();
 }
 
 cv::Mat DecodeAny(const std::string& path, const std::vector<char>& bytes) {
@@ -221,19 +213,10 @@ std::vector<uint8_t> EncodeImage(const std::string& path, const Image8& image) {
                 "cannot store an image of " + SizeText(image.width, image.height) + " with " +
                     std::to_string(image.channels) + " channels as " + extension);
   std::vector<uint8_t> bytes;
-  if (!cv::imencode(extension, SwapRedBlue(Wrap(image)), bytes))
+  if (!cv::imencode(extension, SwapRedBlue(MatOf(image)), bytes))
     throw Error(path, "image could not be encoded");
   return bytes;
 }
-
-void WriteImage(const std::string& path, const Image8& image) {
-  const std::vector<uint8_t> bytes = EncodeImage(path, image);
-  WriteFileAtomically(path, [&](std::ostream& out) {
-    out.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
-  });
-}
-
-void WriteImage(const std::string& path, const Image& image) { WriteImage(path, ToBytes(image)); }
 
 Image8 ResizeByArea(const Image8& image, int width, int height) {
   if (width == image.width && height == image.height) return image;

@@ -100,15 +100,6 @@ std::vector<uint8_t> EncodeImage(const std::string& path, const Image8& image) {
   return bytes;
 }
 
-void WriteImage(const std::string& path, const Image8& image) {
-  const std::vector<uint8_t> bytes = EncodeImage(path, image);
-  WriteFileAtomically(path, [&](std::ostream& out) {
-    out.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
-  });
-}
-
-void WriteImage(const std::string& path, const Image& image) { WriteImage(path, ToBytes(image)); }
-
 Image8 ResizeByArea(const Image8& image, int width, int height) {
   if (width == image.width && height == image.height) return image;
   if (width < 1 || height < 1 || image.empty())
