@@ -39,7 +39,7 @@ export class FaceFinder {
     const id = ++this.count;
     const found = await new Promise((resolve) => {
       this.waiting.set(id, resolve);
-      this.frame.contentWindow.postMessage({ id, image, milliseconds, mattes }, "*", [image]);
+      this.frame.contentWindow.postMessage({ id, image, milliseconds, mattes }, "/", [image]);
     });
     if (found.error) throw new CosplatError(`the face finder: ${found.error}`);
     return found;

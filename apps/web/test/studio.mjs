@@ -1,22 +1,24 @@
 // The studio in headless Chromium, from a film to a playing avatar:
 //
 //   node studio.mjs --cosplat PROGRAM --chromium PROGRAM [--film FILE] [--quality draft] [--pictures FOLDER]
-//                   [--dist FOLDER] [--out avatar.glb] [--frames FOLDER]
+//                   [--dist FOLDER] [--out avatar.glb] [--frames FOLDER] [--times N]
 //
-// With --film only that, and how long each part took; --frames keeps its frames, for `cosplat avatar`. Otherwise with films of the made head: as a file,
+// With --film only that, and how long each part took; --frames keeps its frames, for `cosplat avatar`;
+// --times: so many avatars in a row, in one tab, and the memory after each. Otherwise with films of the made head: as a file,
 // by the camera, in a tab that is closed and goes on, without a network, and with what goes wrong.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import fs from "node:fs";
 import os from "node:os";
 import path from "node:path";
+import { pathToFileURL } from "node:url";
 import { parseArgs } from "node:util";
 
 import { serve } from "./browser.mjs";
 import { DevTools, sleep, until } from "./devtools.mjs";
 
 const { values } = parseArgs({
-  options: Object.fromEntries(["cosplat", "chromium", "film", "quality", "pictures", "dist", "out", "frames"].map((name) => [name, { type: "string" }])),
+  options: Object.fromEntries(["cosplat", "chromium", "film", "quality", "pictures", "dist", "out", "frames", "times"].map((name) => [name, { type: "string" }])),
 });
 const here = import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname);
 const web = path.join(here, "..");
@@ -116,10 +118,14 @@ if (values.film) {
   const page = await studio(browser("profile"));
   await page.picture("begin");
   await page.quality(values.quality ?? "draft");
-  await choose(page, values.film);
-  await made(page, "film");
-  console.log(await page.text("log"));
-  console.log(`memory of the trainer: ${await page.value("document.documentElement.dataset.megabytes")} MB`);
+  for (let i = 0; i < Number(values.times ?? 1); ++i) {
+    await choose(page, values.film);
+    await until("it has begun", async () => !(await page.text("step")).startsWith("Done"));
+    await made(page, "film");
+    console.log(await page.text("log"));
+    const { bytes } = await page.value("performance.measureUserAgentSpecificMemory()");
+    console.log(`memory: ${await page.value("document.documentElement.dataset.megabytes")} MB of the trainer, ${Math.round(bytes / 1e6)} MB of the page after it`);
+  }
   if (values.out) await save(page, "/avatar.glb", () => values.out);
   process.exit(0);
 }
@@ -204,6 +210,15 @@ await page.value(`(async () => {
 })()`);
 await refused(page, "globalThis.wall", /no face/);
 
+// A model that does not fit: nothing is begun.
+await page.value(`(() => {
+  const transfer = new DataTransfer();
+  transfer.items.add(new File(["no model"], "flame2023.pkl"));
+  document.getElementById("flame").files = transfer.files;
+})()`);
+await refused(page, "globalThis.film", /flame2023\.pkl: /);
+await page.value('document.getElementById("flame").value = ""');
+
 // A full storage costs what a closed tab would go on from, and nothing else; Stop ends at once.
 await page.value(`globalThis.put = IDBObjectStore.prototype.put;
   IDBObjectStore.prototype.put = () => { throw new DOMException("full", "QuotaExceededError"); }`);
@@ -229,6 +244,23 @@ await made(again, "again");
 const log = await again.text("log");
 assert.match(log, /resumed at step (?!2,000 )/);
 console.log(log.split("\n").filter((line) => /PSNR|resum/.test(line)).join("\n"));
+
+// What is saved: the avatar, and a page that plays it from a file.
+const saved = inWork("saved");
+await devTools.ask("Browser.setDownloadBehavior", { behavior: "allow", downloadPath: saved });
+for (const [id, name, seconds] of [["glb", "avatar.glb", 0], ["html", "me.html", 0], ["record", "me.webm", 2]]) {
+  await again.value(`document.getElementById("${id}").click()`);
+  if (seconds) {
+    await sleep(1000 * seconds);
+    await again.value(`document.getElementById("${id}").click()`);
+  }
+  await until(`${name} is saved`, () => fs.existsSync(path.join(saved, name)) && fs.statSync(path.join(saved, name)).size > 1e4);
+}
+const [[, base64]] = await again.value(stored("/avatar.glb"));
+assert.ok(fs.readFileSync(path.join(saved, "avatar.glb")).equals(Buffer.from(base64, "base64")));
+const alonePage = await devTools.page(pathToFileURL(path.join(saved, "me.html")).href, 1280, 900);
+await until("the saved page plays", () => alonePage.value("Boolean(document.querySelector('cosplat-avatar')?.remote)"));
+await alonePage.close();
 
 // Without a network.
 await until("all is in the cache", () => again.value("document.documentElement.dataset.offline === 'true'"), 120);

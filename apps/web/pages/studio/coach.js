@@ -1,6 +1,6 @@
 // Films a head before the camera, and says what the film still needs: an avatar knows only what it
 // was shown.
-import { encode } from "./frames.js";
+import { canvasFor, encode } from "./frames.js";
 
 // Of MediaPipe's 478 points.
 const POINT = { right: 234, left: 454, brow: 10, chin: 152, lipUp: 13, lipDown: 14, mouthRight: 78, mouthLeft: 308, lids: [[159, 145, 33, 133], [386, 374, 362, 263]] };
@@ -96,9 +96,7 @@ const SMALL = 96;  // px, of a face that is looked at for its sharpness
 // `most` frames, or when `signal` is aborted. Returns how many frames there are.
 export async function film({ video, finder, ring, say, list, use, most = 240, least = 120, signal }) {
   const film = new Film();
-  const whole = document.createElement("canvas"), face = document.createElement("canvas");
-  whole.width = video.videoWidth;
-  whole.height = video.videoHeight;
+  const whole = canvasFor(video), face = document.createElement("canvas");
   face.width = face.height = SMALL;
   const context = whole.getContext("2d"), small = face.getContext("2d", { willReadFrequently: true });
   const begun = performance.now();
@@ -106,7 +104,7 @@ export async function film({ video, finder, ring, say, list, use, most = 240, le
   while (!signal.aborted && count < most && !(count >= least && film.seen.every(Boolean))) {
     await new Promise((resolve) => requestAnimationFrame(resolve));
     if (video.ended || video.srcObject?.getVideoTracks()[0]?.readyState === "ended") throw new Error("the camera has gone");
-    context.drawImage(video, 0, 0);
+    context.drawImage(video, 0, 0, whole.width, whole.height);
     const { faces } = await finder.find(await createImageBitmap(whole), performance.now() - begun);
     if (faces.length === 0) {
       say("No face is seen");

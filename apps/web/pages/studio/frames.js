@@ -1,5 +1,7 @@
 // The frames of a video as JPEG, by the browser's own decoder.
 const QUALITY = 0.97;
+// A head's square becomes one of 512 px; frames of 4K would fill the memory.
+const LARGEST = 1920;  // px
 
 const event = (target, name, problem) =>
   new Promise((resolve, reject) => {
@@ -12,6 +14,14 @@ export async function encode(canvas) {
   if (!blob) throw new Error("a frame could not be encoded");
   return new Uint8Array(await blob.arrayBuffer());
 }
+
+export function canvasFor(video) {
+  const scale = Math.min(1, LARGEST / Math.max(video.videoWidth, video.videoHeight));
+  const side = (length) => Math.max(1, Math.round(scale * length));
+  return Object.assign(document.createElement("canvas"), { width: side(video.videoWidth), height: side(video.videoHeight) });
+}
+
+const same = (a, b) => a?.length === b.length && a.every((byte, i) => byte === b[i]);
 
 export async function openVideo(video, file) {
   video.srcObject = null;
@@ -48,24 +58,24 @@ async function rateOf(video) {
   return steps.length > 0 ? Math.min(240, Math.round(1 / Math.min(...steps))) : 30;
 }
 
-// Calls use(number, bytes, milliseconds) for at most `wanted` frames that are spread evenly; says how
-// far it is by progress(done, total).
+// Calls use(number, bytes) for at most `wanted` frames that are spread evenly, each other than the one
+// before it: a still picture would be trained on and tested by. Says how far it is by
+// progress(done, total).
 export async function forFrames(video, wanted, use, progress) {
   const rate = await rateOf(video);
   const frames = Math.max(1, Math.floor(video.duration * rate));
   const count = Math.min(frames, wanted);
-  const canvas = document.createElement("canvas");
-  canvas.width = video.videoWidth;
-  canvas.height = video.videoHeight;
-  const context = canvas.getContext("2d");
+  const canvas = canvasFor(video), context = canvas.getContext("2d");
+  let last = null, used = 0;
   for (let i = 0; i < count; ++i) {
     const frame = Math.floor((i * frames) / count);
     const seeked = event(video, "seeked", () => "the video cannot be decoded");
     video.currentTime = (frame + 0.5) / rate;
     await seeked;
-    context.drawImage(video, 0, 0);
-    await use(i, await encode(canvas), (1000 * frame) / rate);
+    context.drawImage(video, 0, 0, canvas.width, canvas.height);
+    const bytes = await encode(canvas);
+    if (!same(last, bytes)) await use(used++, bytes);
+    last = bytes;
     progress(i + 1, count);
   }
-  return count;
 }

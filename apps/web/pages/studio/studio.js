@@ -18,7 +18,17 @@ const STEPS = { "find the head": "Looking for the head", decode: "Cutting frames
 
 const byId = (id) => document.getElementById(id);
 const query = new URLSearchParams(location.search);
-const store = await Store.open().catch(() => null);
+// One tab at a time keeps its film here: another would go on with this one's.
+const owns = new Promise((resolve) => {
+  if (!navigator.locks) return resolve(true);
+  navigator.locks.request("cosplat-studio", { ifAvailable: true }, (lock) => {
+    resolve(lock !== null);
+    return new Promise(() => {});  // until the tab is closed
+  });
+});
+const store = (await owns) ? await Store.open().catch(() => null) : null;
+// A FLAME model that was given, {path, bytes}: an avatar on it does not play without.
+let flame = null;
 let element = null, trainer = null, avatar = null, stopped = null;
 
 const say = (text, problem = false) => {
@@ -30,9 +40,10 @@ const step = (text, share = null) => {
   if (share === null) byId("bar").removeAttribute("value");
   else byId("bar").value = share;
 };
+const nameOf = ({ path }) => path.slice(path.lastIndexOf("/") + 1);
 const clock = (seconds) => `${Math.floor(seconds / 60)}:${String(Math.floor(seconds % 60)).padStart(2, "0")}`;
 const busy = (is) => {
-  for (const id of ["camera", "file", "quality", "open"]) byId(id).disabled = is;
+  for (const id of ["camera", "file", "flame", "quality", "open"]) byId(id).disabled = is;
   byId("stop").disabled = !is;
 };
 
@@ -57,14 +68,14 @@ function stage(which) {
 let face = null;
 function showAvatar(bytes, moves) {
   avatar = bytes;
-  const file = new File([bytes], "avatar.glb");
+  const file = new File([bytes], "avatar.glb"), model = flame && new File([flame.bytes], nameOf(flame));
   if (!element) {
-    element = show({ title: "you", avatar: file }, byId("shown"), byId("status"));
+    element = show({ title: "you", avatar: file, flame: model }, byId("shown"), byId("status"));
     face = faceControls(element);
     byId("controls").replaceChildren(face.controls, lookControls(element));
     if (moves) element.addEventListener("load", face.start, { once: true });
   } else {
-    element.load(file);
+    element.load(file, model);
   }
   byId("play").hidden = false;
   stage("shown");
@@ -85,10 +96,12 @@ async function train(quality, files = []) {
   for (const { path, bytes } of files) trainer.addFile(path, bytes);
   const begun = performance.now();
   step("Starting");
-  await trainer.make([...options, "--checkpoint-every", String(checkpoints), "--save_iterations", ...shown.map(String)]);
+  const model = flame ? ["--flame", flame.path] : [];
+  await trainer.make([...options, ...model, "--checkpoint-every", String(checkpoints), "--save_iterations", ...shown.map(String)]);
   step(`Done in ${clock((performance.now() - begun) / 1000)}`, 1);
   await store?.clear().catch(() => {});
   await keep("/avatar.glb", avatar);
+  if (flame) await keep(flame.path, flame.bytes);
   face.start();
 }
 
@@ -113,10 +126,20 @@ async function guarded(work) {
   busy(false);
 }
 
+async function chosenFlame() {
+  const [file] = byId("flame").files;
+  return file ? { path: `/flame/${file.name}`, bytes: new Uint8Array(await file.arrayBuffer()) } : null;
+}
+
 async function fromFrames(quality, frames) {
   await store?.clear().catch(() => {});
   if (avatar) await keep("/avatar.glb", avatar);
   await keep("/quality", quality);
+  flame = await chosenFlame();
+  if (flame) {
+    await keep(flame.path, flame.bytes);
+    trainer.addFile(flame.path, flame.bytes);
+  }
   await frames(async (number, bytes) => {
     const path = `/frames/${String(number).padStart(5, "0")}.jpg`;
     await keep(path, bytes);
@@ -213,7 +236,11 @@ serveSelf().catch((error) => console.warn(`cosplat: ${error.message}`));
 
 byId("coach").append(...wishes.map((text) => make("li", { textContent: text })));
 byId("camera").onclick = fromCamera;
-byId("file").onchange = () => byId("file").files[0] && fromFile(byId("file").files[0]);
+byId("file").onchange = () => {
+  const [file] = byId("file").files;
+  byId("file").value = "";  // or the same one could not be chosen again
+  if (file) fromFile(file);
+};
 byId("drop").ondragover = (event) => event.preventDefault();
 byId("drop").ondrop = (event) => {
   event.preventDefault();
@@ -224,7 +251,10 @@ byId("stop").onclick = () => {
   stopped.abort();
   trainer?.stop();
 };
-byId("open").onchange = async () => showAvatar(new Uint8Array(await byId("open").files[0].arrayBuffer()), true);
+byId("open").onchange = async () => {
+  flame = await chosenFlame();
+  showAvatar(new Uint8Array(await byId("open").files[0].arrayBuffer()), true);
+};
 byId("glb").onclick = () => save(new Blob([avatar], { type: "model/gltf-binary" }), "avatar.glb");
 byId("html").onclick = () => savePage().catch((error) => say(error.message, true));
 byId("record").onclick = record;
@@ -233,11 +263,12 @@ byId("live").onclick = () => drive(element, byId("video"), say).catch((error) =>
 // A tab that was closed in the middle.
 const files = (await store?.all("/")) ?? [];
 const quality = files.find(({ path }) => path === "/quality")?.bytes;
+flame = files.find(({ path }) => path.startsWith("/flame/")) ?? null;
 const earlier = files.find(({ path }) => path === "/avatar.glb")?.bytes;
 if (earlier) showAvatar(earlier, !quality);
 if (quality && files.some(({ path }) => path.startsWith("/frames/")) ) {
   say("Going on with the film of before");
   byId("quality").value = quality;
-  guarded(() => train(quality, files.filter(({ path }) => /^\/(frames|me)\//.test(path))));
+  guarded(() => train(quality, files.filter(({ path }) => /^\/(flame|frames|me)\//.test(path))));
 }
 byId("drop").dataset.ready = "true";
