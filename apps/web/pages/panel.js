@@ -127,7 +127,10 @@ export function faceControls(element) {
   );
   return {
     controls,
-    start: () => requestAnimationFrame(frame),
+    start: () => {
+      moves.checked = true;
+      requestAnimationFrame(frame);
+    },
     stop: () => (moves.checked = false),
   };
 }

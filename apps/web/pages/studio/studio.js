@@ -108,6 +108,7 @@ async function train(quality, files = []) {
 // Calls work(), with its problem as one line; nothing is lost by it.
 async function guarded(work) {
   busy(true);
+  face?.stop();
   stopped = new AbortController();
   full = false;
   byId("kept").textContent = "";
