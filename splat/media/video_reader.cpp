@@ -8,10 +8,12 @@
 #include <cstring>
 #include <filesystem>
 #include <mutex>
+#include <optional>
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/text.h"
+#include "splat/media/hdr.h"
 #include "splat/media/image_io.h"
 #include "splat/media/libav.h"
 
@@ -37,19 +39,52 @@ Orientation OrientationOf(const int32_t* matrix) {
   return {true, c < 0, b < 0};
 }
 
-const int32_t* DisplayMatrixOf(const AVStream& stream) {
+// What a container says of a track beside its packets; null if it does not, or in too few bytes.
+template <class T>
+const T* SideData(const AVStream& stream, AVPacketSideDataType type, size_t count = 1) {
   const uint8_t* data = nullptr;
 #if LIBAVFORMAT_VERSION_INT >= AV_VERSION_INT(60, 15, 100)
-  const AVPacketSideData* side = av_packet_side_data_get(stream.codecpar->coded_side_data,
-                                                         stream.codecpar->nb_coded_side_data,
-                                                         AV_PKT_DATA_DISPLAYMATRIX);
-  if (side != nullptr && side->size >= 9 * sizeof(int32_t)) data = side->data;
+  const AVPacketSideData* side = av_packet_side_data_get(
+      stream.codecpar->coded_side_data, stream.codecpar->nb_coded_side_data, type);
+  const size_t size = side != nullptr ? side->size : 0;
+  if (side != nullptr) data = side->data;
 #else
   size_t size = 0;
-  data = av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, &size);
-  if (size < 9 * sizeof(int32_t)) data = nullptr;
+  data = av_stream_get_side_data(&stream, type, &size);
 #endif
-  return reinterpret_cast<const int32_t*>(data);
+  return size >= count * sizeof(T) ? reinterpret_cast<const T*>(data) : nullptr;
+}
+
+bool IsInterlaced(const AVFrame& frame) {
+#if LIBAVUTIL_VERSION_INT >= AV_VERSION_INT(58, 29, 100)
+  return (frame.flags & AV_FRAME_FLAG_INTERLACED) != 0;
+#else
+  return frame.interlaced_frame != 0;
+#endif
+}
+
+// Whether lines differ from both neighbours, which are alike: fields of two times, of what moves.
+template <class T>
+bool IsCombed(const AVFrame& frame, int depth) {
+  const int least = 12 << (depth - 8);
+  const ptrdiff_t row = frame.linesize[0] / ptrdiff_t(sizeof(T));
+  const T* luma = reinterpret_cast<const T*>(frame.data[0]);
+  size_t combed = 0, seen = 0;
+  for (int y = 1; y + 1 < frame.height; y += 3) {
+    for (int x = 0; x < frame.width; x += 2, ++seen) {
+      const int above = luma[(y - 1) * row + x], below = luma[(y + 1) * row + x];
+      const int here = luma[y * row + x];
+      combed += std::abs(above - below) < least &&
+                (here - std::max(above, below) > least || std::min(above, below) - here > least);
+    }
+  }
+  return 1000 * combed > seen;
+}
+bool IsCombed(const AVFrame& frame) {
+  const AVPixFmtDescriptor* format = av_pix_fmt_desc_get(AVPixelFormat(frame.format));
+  if (format == nullptr || (format->flags & AV_PIX_FMT_FLAG_PLANAR) == 0) return false;
+  const int depth = format->comp[0].depth;
+  return depth > 8 ? IsCombed<uint16_t>(frame, depth) : IsCombed<uint8_t>(frame, depth);
 }
 
 Image8 Turned(const Image8& image, Orientation to) {
@@ -106,6 +141,8 @@ struct VideoReader::Impl {
   int width = 0, height = 0;                // shown, before it is turned
   int stored_width = 0, stored_height = 0;  // of the first frame
   bool alpha = false;
+  bool interlaced = false;      // frames that say so are: their lines are of two times
+  std::optional<HdrToSdr> hdr;  // what frames are read by
   std::vector<std::string> notes;
   std::mutex mutex;
 
@@ -178,13 +215,14 @@ void VideoReader::Impl::FirstPass() {
   Open();
   int64_t first = AV_NOPTS_VALUE, last = AV_NOPTS_VALUE;
   std::string other_size;
-  int resized = 0, damaged = 0;
+  int resized = 0, damaged = 0, fields = 0, combed = 0;
   while (Decode()) {
     if (count++ == 0) SetSize();
     if (frame->width != stored_width || frame->height != stored_height) {
       if (resized++ == 0) other_size = SizeOf(*frame);
     }
     if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0) ++damaged;
+    if (IsInterlaced(*frame)) ++fields, combed += IsCombed(*frame);
     const int64_t time = frame->best_effort_timestamp;
     if (time == AV_NOPTS_VALUE) continue;
     if (first == AV_NOPTS_VALUE || time < first) first = time;
@@ -192,6 +230,11 @@ void VideoReader::Impl::FirstPass() {
   }
   if (count == 0) throw Error(path, "has no frame that can be decoded");
   SetRate(first, last);
+  interlaced = 20 * combed > fields;
+  if (interlaced)
+    notes.push_back(path +
+                    ": is interlaced; every second line of a frame is read, and the others "
+                    "are made from these");
   if (resized > 0)
     notes.push_back(path + ": " + std::to_string(resized) + " of " + std::to_string(count) +
                     " frames have another size (" + other_size + ") than the first (" +
@@ -226,15 +269,21 @@ void VideoReader::Impl::SetSize() {
   if (wide > kMaxStretched || wide < 1 / kMaxStretched)
     throw Error(path, Format("says that its pixels are {} times as wide as high", wide));
   const AVFrameSideData* side = av_frame_get_side_data(frame.get(), AV_FRAME_DATA_DISPLAYMATRIX);
-  if (const int32_t* matrix =
-          side != nullptr ? reinterpret_cast<const int32_t*>(side->data) : DisplayMatrixOf(track))
+  if (const int32_t* matrix = side != nullptr
+                                  ? reinterpret_cast<const int32_t*>(side->data)
+                                  : SideData<int32_t>(track, AV_PKT_DATA_DISPLAYMATRIX, 9))
     orientation = OrientationOf(matrix);
   alpha = HasAlpha(*frame);
-  if (frame->color_trc == AVCOL_TRC_SMPTE2084 || frame->color_trc == AVCOL_TRC_ARIB_STD_B67)
-    notes.push_back(
-        path +
-        ": is HDR video, whose brightness is taken as if it were not; convert it to SDR "
-        "if it looks flat");
+  const auto* dolby = SideData<AVDOVIDecoderConfigurationRecord>(track, AV_PKT_DATA_DOVI_CONF);
+  if (dolby != nullptr && dolby->dv_bl_signal_compatibility_id == 0)
+    throw Error(path,
+                "is Dolby Vision of profile " + std::to_string(dolby->dv_profile) +
+                    ", whose colours only its own players know; convert it to SDR");
+  const bool pq = frame->color_trc == AVCOL_TRC_SMPTE2084;
+  if (!pq && frame->color_trc != AVCOL_TRC_ARIB_STD_B67) return;
+  hdr.emplace(pq ? HdrTransfer::kPq : HdrTransfer::kHlg, frame->color_primaries != AVCOL_PRI_BT709);
+  notes.push_back(path + ": is HDR video (" + (pq ? "PQ" : "HLG") +
+                  "), and read as a screen of the usual range shows it");
 }
 
 // The rate that the container states if the frames' time stamps agree; else theirs on average.
@@ -272,7 +321,8 @@ void VideoReader::Impl::SetColors() {
 // A frame of another shape than the first keeps its shape: black bars fill the rest, as players
 // show it.
 Image8 VideoReader::Impl::Converted() {
-  const AVPixelFormat to = alpha ? AV_PIX_FMT_RGBA : AV_PIX_FMT_RGB24;
+  const AVPixelFormat to = hdr ? (alpha ? AV_PIX_FMT_RGBA64 : AV_PIX_FMT_RGB48)
+                               : (alpha ? AV_PIX_FMT_RGBA : AV_PIX_FMT_RGB24);
   int to_width = width, to_height = height;
   if (ShapesDiffer(stored_width, stored_height, frame->width, frame->height)) {
     const double scale =
@@ -281,10 +331,12 @@ Image8 VideoReader::Impl::Converted() {
     to_height =
         std::clamp(int(std::lround(scale * frame->height * height / stored_height)), 1, height);
   }
-  const std::array<int, 3> kind = {frame->width, frame->height, frame->format};
+  // One field of two has every second line of each plane.
+  const int field = interlaced && IsInterlaced(*frame) ? 2 : 1, lines = frame->height / field;
+  const std::array<int, 3> kind = {frame->width, lines, frame->format};
   scaler.reset(sws_getCachedContext(scaler.release(),
                                     frame->width,
-                                    frame->height,
+                                    lines,
                                     AVPixelFormat(frame->format),
                                     to_width,
                                     to_height,
@@ -298,15 +350,23 @@ Image8 VideoReader::Impl::Converted() {
   scaled = kind;
   Image8 image(width, height, alpha ? 4 : 3);
   // The scaler may write some bytes beyond the end of a row.
-  const int stride = (image.channels * to_width + 63) / 64 * 64;
+  const int stride = ((hdr ? 2 : 1) * image.channels * to_width + 63) / 64 * 64;
   std::vector<uint8_t> rows(size_t(stride) * to_height + 64);
   uint8_t* const planes[] = {rows.data()};
   const int strides[] = {stride};
-  sws_scale(scaler.get(), frame->data, frame->linesize, 0, frame->height, planes, strides);
+  std::array<int, AV_NUM_DATA_POINTERS> from;
+  for (size_t i = 0; i < from.size(); ++i) from[i] = field * frame->linesize[i];
+  sws_scale(scaler.get(), frame->data, from.data(), 0, lines, planes, strides);
   const int left = (width - to_width) / 2, top = (height - to_height) / 2;
-  for (int y = 0; y < to_height; ++y)
-    std::copy_n(
-        &rows[size_t(y) * stride], size_t(image.channels) * to_width, &image.at(left, top + y, 0));
+  for (int y = 0; y < to_height; ++y) {
+    const uint8_t* row = &rows[size_t(y) * stride];
+    uint8_t* pixels = &image.at(left, top + y, 0);
+    if (hdr)
+      hdr->Convert(
+          reinterpret_cast<const uint16_t*>(row), size_t(to_width), image.channels, pixels);
+    else
+      std::copy_n(row, size_t(image.channels) * to_width, pixels);
+  }
   return Turned(image, orientation);
 }
 

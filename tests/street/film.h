@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,12 @@ struct Film {
   AVRational pixel{1, 1};
   bool alpha = false;
   bool states_rate = true;
+  bool interlaced = false;
+  AVColorTransferCharacteristic transfer = AVCOL_TRC_UNSPECIFIED;
+  int dolby_vision_profile = 0;  // if any: without a compatible base
+  // In place of FourColors, in this format.
+  AVPixelFormat format = AV_PIX_FMT_YUV420P;
+  std::function<void(AVFrame&)> fill = nullptr;
   std::vector<FilmFrame> frames;
 };
 
@@ -63,6 +70,7 @@ class FilmWriter {
     stream_->sample_aspect_ratio = film.pixel;
     if (film.states_rate) stream_->avg_frame_rate = {25, 1};
     if (film.alpha) av_dict_set(&stream_->metadata, "alpha_mode", "1", 0);
+    if (film.dolby_vision_profile > 0) SetDolbyVision();
     Succeeds(avio_open(&output_->pb, libav::FileUrl(film.path).c_str(), AVIO_FLAG_WRITE), "open");
     Succeeds(avformat_write_header(output_, nullptr), "header");
   }
@@ -81,7 +89,16 @@ class FilmWriter {
     picture->format = codec_->pix_fmt;
     picture->width = frame.width, picture->height = frame.height;
     av_frame_get_buffer(picture.get(), 0);
-    Fill(frame, *picture);
+    if (film_.fill)
+      film_.fill(*picture);
+    else
+      Fill(frame, *picture);
+#if LIBAVUTIL_VERSION_INT >= AV_VERSION_INT(58, 29, 100)
+    if (film_.interlaced)
+      picture->flags |= AV_FRAME_FLAG_INTERLACED | AV_FRAME_FLAG_TOP_FIELD_FIRST;
+#else
+    picture->interlaced_frame = picture->top_field_first = film_.interlaced;
+#endif
     picture->pts = frame.milliseconds;
     Drain(picture.get());
   }
@@ -93,14 +110,37 @@ class FilmWriter {
     codec_->width = frame.width, codec_->height = frame.height;
     codec_->time_base = film_.states_rate ? AVRational{1, 25} : AVRational{1, 1000};
     if (film_.encoder != "mpeg4") codec_->time_base = {1, 1000};
-    codec_->pix_fmt = film_.alpha ? AV_PIX_FMT_YUVA420P : AV_PIX_FMT_YUV420P;
+    codec_->pix_fmt = film_.alpha ? AV_PIX_FMT_YUVA420P : film_.format;
+    codec_->color_trc = film_.transfer;
+    if (film_.transfer != AVCOL_TRC_UNSPECIFIED) codec_->color_primaries = AVCOL_PRI_BT2020;
     codec_->sample_aspect_ratio = film_.pixel;
     codec_->bit_rate = 2000000;
     if (output_->oformat->flags & AVFMT_GLOBALHEADER) codec_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
     AVDictionary* options = nullptr;  // libvpx takes no alpha with its alternative frames
     if (film_.alpha) av_dict_set(&options, "auto-alt-ref", "0", 0);
+    if (film_.encoder == "ffv1")
+      codec_->level = 3, codec_->slices = 4;  // else it drops "interlaced"
     Succeeds(avcodec_open2(codec_.get(), encoder, &options), "encoder");
     av_dict_free(&options);
+  }
+  void SetDolbyVision() {
+    size_t size = 0;
+    AVDOVIDecoderConfigurationRecord* record = av_dovi_alloc(&size);
+    record->dv_version_major = 1;
+    record->dv_profile = uint8_t(film_.dolby_vision_profile);
+    record->rpu_present_flag = record->bl_present_flag = 1;
+    output_->strict_std_compliance = FF_COMPLIANCE_UNOFFICIAL;
+    uint8_t* data = reinterpret_cast<uint8_t*>(record);
+#if LIBAVFORMAT_VERSION_INT >= AV_VERSION_INT(60, 15, 100)
+    av_packet_side_data_add(&stream_->codecpar->coded_side_data,
+                            &stream_->codecpar->nb_coded_side_data,
+                            AV_PKT_DATA_DOVI_CONF,
+                            data,
+                            size,
+                            0);
+#else
+    av_stream_add_side_data(stream_, AV_PKT_DATA_DOVI_CONF, data, size);
+#endif
   }
   void Fill(const FilmFrame& frame, AVFrame& picture) const {
     const Image8 colors = FourColors(frame.width, frame.height);

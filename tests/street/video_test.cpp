@@ -2,10 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 
 #include "splat/base/error.h"
+#include "splat/media/hdr.h"
 #include "tests/street/film.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
@@ -167,6 +170,137 @@ TEST(Video, ThatEndsTooEarlyKeepsWhatItHasAndSaysSo) {
       EXPECT_EQ(ColorsOf(video.ReadFrame(i)), "RBGW") << name << " " << i;
     // FFmpeg takes an AVI's length from what is there of it.
     EXPECT_EQ(video.notes().empty(), std::string(name) == "cut.avi") << name;
+  }
+}
+
+// The shown light of a colour in HDR, in white's: ITU-R BT.2100's HLG, from what a screen of
+// 1,000 cd/m2 shows back to what is encoded.
+std::array<uint16_t, 3> HlgOf(std::array<double, 3> rgb) {
+  for (double& c : rgb) c *= 203 / 1000.0;
+  const double shown = 0.2627 * rgb[0] + 0.6780 * rgb[1] + 0.0593 * rgb[2];
+  std::array<uint16_t, 3> code;
+  for (int c = 0; c < 3; ++c) {
+    const double scene = shown == 0 ? 0 : rgb[c] * std::pow(shown, 1 / 1.2 - 1);
+    const double e = scene <= 1 / 12.0
+                         ? std::sqrt(3 * scene)
+                         : 0.17883277 * std::log(12 * scene - 0.28466892) + 0.55991073;
+    code[c] = uint16_t(std::lround(65535 * e));
+  }
+  return code;
+}
+std::array<uint16_t, 3> PqOf(std::array<double, 3> rgb) {
+  std::array<uint16_t, 3> code;
+  for (int c = 0; c < 3; ++c) {
+    const double y = std::pow(rgb[c] * 203 / 10000, 0.1593017578125);
+    const double e = std::pow((0.8359375 + 18.8515625 * y) / (1 + 18.6875 * y), 78.84375);
+    code[c] = uint16_t(std::lround(65535 * e));
+  }
+  return code;
+}
+int SrgbOf(double light) {
+  return int(std::lround(255 * (1.055 * std::pow(light, 1 / 2.4) - 0.055)));
+}
+
+TEST(Video, InHdrHasTheColorsOfAScreen) {
+  for (const HdrTransfer transfer : {HdrTransfer::kHlg, HdrTransfer::kPq}) {
+    const HdrToSdr hdr(transfer, true);
+    const auto shown = [&](std::array<double, 3> light) {
+      const std::array<uint16_t, 3> code =
+          transfer == HdrTransfer::kHlg ? HlgOf(light) : PqOf(light);
+      std::array<uint8_t, 3> rgb;
+      hdr.Convert(code.data(), 1, 3, rgb.data());
+      return std::array<int, 3>{rgb[0], rgb[1], rgb[2]};
+    };
+    // Up to 86 cd/m2, where skin is, as an SDR screen shows the same light; grey stays grey.
+    for (const double light : {0.01, 0.05, 0.18, 0.3, 0.42}) {
+      const std::array<int, 3> rgb = shown({light, light, light});
+      for (const int c : rgb) EXPECT_NEAR(c, SrgbOf(light), 1) << light;
+    }
+    EXPECT_EQ(shown({0, 0, 0}), (std::array{0, 0, 0}));
+    // BT.709's red, green and blue in BT.2020's primaries (BT.2087).
+    const double red[] = {0.6274, 0.0691, 0.0164}, green[] = {0.3293, 0.9195, 0.0880},
+                 blue[] = {0.0433, 0.0114, 0.8956};
+    for (int c = 0; c < 3; ++c) {
+      const double* from = c == 0 ? red : c == 1 ? green : blue;
+      const std::array<int, 3> rgb = shown({0.4 * from[0], 0.4 * from[1], 0.4 * from[2]});
+      for (int k = 0; k < 3; ++k) EXPECT_NEAR(rgb[k], k == c ? SrgbOf(0.4) : 0, 3) << c << k;
+    }
+    // What is brighter than white keeps its order, below 255 until a screen's end.
+    int last = 0;
+    for (const double light : {0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 4.9}) {
+      const int now = shown({light, light, light})[0];
+      EXPECT_GT(now, last) << light;
+      last = now;
+    }
+    EXPECT_NEAR(shown({1, 1, 1})[0], 230, 2);
+    EXPECT_EQ(last, 255);
+  }
+}
+
+TEST(Video, InHdrIsReadAsOne) {
+  const TemporaryFolder folder;
+  for (const auto transfer : {AVCOL_TRC_ARIB_STD_B67, AVCOL_TRC_SMPTE2084}) {
+    const double light = 0.2;
+    const std::array<uint16_t, 3> code = transfer == AVCOL_TRC_SMPTE2084
+                                             ? PqOf({light, light, light})
+                                             : HlgOf({light, light, light});
+    // Grey in limited range.
+    const auto fill = [&](AVFrame& frame) {
+      for (int plane = 0; plane < 3; ++plane) {
+        const uint16_t value =
+            plane == 0 ? uint16_t(std::lround(64 + 876 * code[0] / 65535.0)) : uint16_t(512);
+        const int lines = plane == 0 ? frame.height : frame.height / 2;
+        for (int y = 0; y < lines; ++y)
+          std::fill_n(reinterpret_cast<uint16_t*>(frame.data[plane] + y * frame.linesize[plane]),
+                      plane == 0 ? frame.width : frame.width / 2,
+                      value);
+      }
+    };
+    WriteFilm({.path = folder / "phone.mkv",
+               .encoder = "ffv1",
+               .transfer = transfer,
+               .format = AV_PIX_FMT_YUV420P10,
+               .fill = fill,
+               .frames = Frames(2)});
+    VideoReader video(folder / "phone.mkv");
+    ASSERT_EQ(video.notes().size(), 1u);
+    EXPECT_NE(video.notes()[0].find("is HDR video"), std::string::npos);
+    const Image8 image = video.ReadFrame(1);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(image.at(30, 20, c), SrgbOf(light), 1);
+  }
+}
+
+TEST(Video, OfDolbyVisionAloneIsRefused) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "film.mp4";
+  WriteFilm({.path = path, .dolby_vision_profile = 5, .frames = Frames(2)});
+  ExpectError([&] { VideoReader{path}; }, {path, "is Dolby Vision of profile 5"});
+}
+
+TEST(Video, ThatIsInterlacedHasOneTimeInAFrame) {
+  const TemporaryFolder folder;
+  // A bar that has moved by 12 px between the fields; then one at rest.
+  for (const int moved : {12, 0}) {
+    const auto fill = [&](AVFrame& frame) {
+      for (int plane = 0; plane < 3; ++plane)
+        std::memset(frame.data[plane],
+                    128,
+                    size_t(frame.linesize[plane]) * (plane == 0 ? frame.height : frame.height / 2));
+      for (int y = 0; y < frame.height; ++y)
+        std::memset(frame.data[0] + y * frame.linesize[0] + 20 + (y % 2 == 1 ? moved : 0), 235, 10);
+    };
+    WriteFilm({.path = folder / "camcorder.mkv",
+               .encoder = "ffv1",
+               .interlaced = true,
+               .fill = fill,
+               .frames = Frames(3)});
+    VideoReader video(folder / "camcorder.mkv");
+    const Image8 image = video.ReadFrame(1);
+    for (int y = 0; y < 48; ++y) {
+      EXPECT_GT(image.at(25, y, 1), 200) << moved << " " << y;
+      EXPECT_LT(image.at(37, y, 1), 150) << moved << " " << y;
+    }
+    EXPECT_EQ(video.notes().size(), moved > 0 ? 1u : 0u);
   }
 }
 
