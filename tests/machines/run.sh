@@ -17,6 +17,7 @@ RELEASE is a Debian release: 12, 13, sid, or another that debootstrap knows by i
   --compiler C++    another compiler than g++, e.g. clang++ (its package is installed)
   --quick           builds `cosplat` and the quick tests only, and runs these in place of all
   --web             builds the browser's player too, and runs its tests in that system's Chromium
+                    and Firefox
   --deb             builds cosplat.deb too, and installs it in another bare system
   --no-demo         leaves the demo out
   --mirror ADDRESS  where packages come from (default: where this machine's apt has them from)
@@ -154,7 +155,7 @@ outcome() {
 make_system "$system"
 extra=(git)
 [[ -z $ccache ]] || extra+=(ccache)
-[[ $web -eq 0 ]] || extra+=(python3 python3-numpy)
+[[ $web -eq 0 ]] || extra+=(python3 python3-numpy firefox-esr)
 [[ -z $compiler ]] || extra+=("${compiler%++}")
 step "Bringing the system up to date" \
   "export DEBIAN_FRONTEND=noninteractive; apt-get update && apt-get -y upgrade &&

@@ -30,7 +30,15 @@ async function find(mesh, { image, milliseconds, mattes }) {
   return { faces, matte: await segmentation.look(pixels) };
 }
 
+// Where it cannot, MediaPipe opens a dialog, and finds nothing.
+function needWebGl() {
+  const shown = document.createElement("canvas"), gl = shown.getContext("webgl2") ?? shown.getContext("webgl");
+  if (!gl) throw new Error("this browser has no WebGL, which finding faces needs: allow it the graphics card (\"hardware acceleration\"), or take another browser");
+  gl.getExtension("WEBGL_lose_context")?.loseContext();
+}
+
 (async () => {
+  needWebGl();
   const mesh = await openFaceMesh(maxFaces);
   let queue = Promise.resolve();
   self.addEventListener("message", ({ data, source }) => {

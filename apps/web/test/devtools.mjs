@@ -5,6 +5,12 @@ import { software } from "./browser.mjs";
 
 export class DevTools {
   // flags: more of Chromium's.
+  // downloads: a folder.
+  static async start({ downloads, ...how }) {
+    const self = new DevTools(how);
+    await self.ask("Browser.setDownloadBehavior", { behavior: "allow", downloadPath: downloads });
+    return self;
+  }
   constructor({ chromium, profile, children, flags: more = [] }) {
     this.count = 0;
     this.answers = new Map();
@@ -43,10 +49,11 @@ export class DevTools {
     const ask = (method, params) => this.ask(method, params, sessionId);
     await ask("Emulation.setDeviceMetricsOverride", { width, height, deviceScaleFactor: 1, mobile: width < 500 });
     await ask("Page.enable");
-    await ask("Page.navigate", { url });
-    return {
+    const requests = [];
+    this.listeners.set(`${sessionId} Network.requestWillBeSent`, ({ request }) => requests.push(request.url));
+    await ask("Network.enable");
+    const page = {
       ask,
-      on: (method, use) => this.listeners.set(`${sessionId} ${method}`, use),
       async value(expression) {
         const { result, exceptionDetails } = await ask("Runtime.evaluate", {
           expression, awaitPromise: true, returnByValue: true, userGesture: true,
@@ -54,8 +61,20 @@ export class DevTools {
         if (exceptionDetails) throw new Error(exceptionDetails.exception?.description ?? exceptionDetails.text);
         return result.value;
       },
+      goTo: (to) => ask("Page.navigate", { url: to }),
+      reload: () => ask("Page.reload"),
+      screenshot: async () => Buffer.from((await ask("Page.captureScreenshot", { format: "png" })).data, "base64"),
+      // A file of the disk, as if it were chosen.
+      async choose(selector, file) {
+        const { root } = await ask("DOM.getDocument");
+        const { nodeId } = await ask("DOM.querySelector", { nodeId: root.nodeId, selector });
+        await ask("DOM.setFileInputFiles", { nodeId, files: [file] });
+      },
+      requests: async () => requests,
       close: () => this.ask("Target.closeTarget", { targetId }),
     };
+    await page.goTo(url);
+    return page;
   }
 }
 

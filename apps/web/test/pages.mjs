@@ -1,7 +1,7 @@
-// The pages in headless Chromium at a desktop's and a phone's width, from `cosplat serve` and from a
-// file of `cosplat export --html`:
+// The pages in headless Chromium or Firefox at a desktop's and a phone's width, from `cosplat serve` and
+// from a file of `cosplat export --html`:
 //
-//   node pages.mjs --cosplat PROGRAM --chromium PROGRAM [--pictures FOLDER]
+//   node pages.mjs --cosplat PROGRAM --chromium|--firefox PROGRAM [--pictures FOLDER]
 //
 // Makes a head and a small avatar; checks that each page draws, is no wider than the window and tells
 // nothing wrong; --pictures keeps screenshots.
@@ -16,9 +16,10 @@ import { parseArgs } from "node:util";
 
 import { serve } from "./browser.mjs";
 import { DevTools, sleep, until } from "./devtools.mjs";
+import { Firefox } from "./firefox.mjs";
 
 const { values } = parseArgs({
-  options: Object.fromEntries(["cosplat", "chromium", "pictures"].map((name) => [name, { type: "string" }])),
+  options: Object.fromEntries(["cosplat", "chromium", "firefox", "pictures"].map((name) => [name, { type: "string" }])),
 });
 const here = import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname);
 const work = fs.mkdtempSync(path.join(os.tmpdir(), "cosplat-pages-"));
@@ -77,11 +78,13 @@ const pages = [
   { name: "offline-splats", url: pathToFileURL(inWork("scene.html")).href, isolated: false },
 ];
 
-const devTools = new DevTools({ chromium: values.chromium, profile: path.join(work, "profile"), children });
+const browser = await (values.firefox ? Firefox : DevTools).start({ ...values, profile: inWork("profile"), children, downloads: work });
 const shown = "document.querySelector('cosplat-avatar, cosplat-splats')";
-for (const { name, url, isolated, webcam, relay, gpu = false } of pages)
+// Without a screen Firefox has neither a GPU nor a camera of a person.
+const shownBy = pages.filter(({ webcam, gpu }) => !values.firefox || !(webcam || gpu));
+for (const { name, url, isolated, webcam, relay, gpu = false } of shownBy)
   for (const [width, height] of [[1280, 800], [390, 844]]) {
-    const page = await devTools.page(url, width, height);
+    const page = await browser.page(url, width, height);
     const text = (id) => page.value(`document.getElementById("${id}")?.textContent ?? ""`);
     await until(`${name} draws`, async () => {
       const problem = await page.value("document.querySelector('.problem')?.textContent ?? ''");
@@ -107,11 +110,10 @@ for (const { name, url, isolated, webcam, relay, gpu = false } of pages)
     assert.ok(overflow <= 0, `${name} is ${overflow} px wider than ${width}`);
     const threads = await page.value(`${shown}.remote.properties.threads`);
     assert.equal(threads > 1, isolated && os.availableParallelism() > 1, name);
-    if (name === "obs") await page.ask("Emulation.setDefaultBackgroundColorOverride", { color: { r: 0, g: 0, b: 0, a: 0 } });
-    const { data } = await page.ask("Page.captureScreenshot", { format: "png" });
+    if (name === "obs" && !values.firefox) await page.ask("Emulation.setDefaultBackgroundColorOverride", { color: { r: 0, g: 0, b: 0, a: 0 } });
     if (values.pictures) {
       fs.mkdirSync(values.pictures, { recursive: true });
-      fs.writeFileSync(path.join(values.pictures, `${name}-${width}.png`), Buffer.from(data, "base64"));
+      fs.writeFileSync(path.join(values.pictures, `${name}-${width}.png`), await page.screenshot());
     }
     console.log(`${name} at ${width} px: ${threads} threads, ${(await page.value("document.querySelector('.speed')?.textContent")) || "at rest"}`);
     await page.close();

@@ -1,11 +1,11 @@
-// The studio in headless Chromium, from a film to a playing avatar:
+// The studio in headless Chromium or Firefox, from a film to a playing avatar:
 //
-//   node studio.mjs --cosplat PROGRAM --chromium PROGRAM [--film FILE] [--quality draft] [--pictures FOLDER]
+//   node studio.mjs --cosplat PROGRAM --chromium|--firefox PROGRAM [--film FILE] [--quality draft] [--pictures FOLDER]
 //                   [--dist FOLDER] [--out avatar.glb] [--frames FOLDER] [--times N]
 //
 // With --film only that, and how long each part took; --frames keeps its frames, for `cosplat avatar`;
 // --times: so many avatars in a row, in one tab, and the memory after each. Otherwise with films of the made head: as a file,
-// by the camera, in a tab that is closed and goes on, without a network, and with what goes wrong.
+// by the camera (Chromium's takes a film), in a tab that is closed and goes on, without a network, and with what goes wrong.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import fs from "node:fs";
@@ -16,9 +16,10 @@ import { parseArgs } from "node:util";
 
 import { serve } from "./browser.mjs";
 import { DevTools, sleep, until } from "./devtools.mjs";
+import { Firefox } from "./firefox.mjs";
 
 const { values } = parseArgs({
-  options: Object.fromEntries(["cosplat", "chromium", "film", "quality", "pictures", "dist", "out", "frames", "times"].map((name) => [name, { type: "string" }])),
+  options: Object.fromEntries(["cosplat", "chromium", "firefox", "film", "quality", "pictures", "dist", "out", "frames", "times"].map((name) => [name, { type: "string" }])),
 });
 const here = import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname);
 const web = path.join(here, "..");
@@ -51,26 +52,24 @@ const SECONDS = 1500;  // that an avatar may take
 
 const folders = { "/dist/": values.dist ?? path.join(web, "dist"), "/head/": inWork("head"), "/": web };
 const originOf = (server) => `http://127.0.0.1:${server.address().port}`;
-const isolated = originOf(await serve({ folders }));
-const browser = (name, ...flags) => new DevTools({ chromium: values.chromium, profile: inWork(name), children, flags });
+const server = await serve({ folders });
+const isolated = originOf(server);
+const saved = inWork("saved");
+const open = (name, ...flags) =>
+  (values.firefox ? Firefox : DevTools).start({ ...values, profile: inWork(name), children, downloads: saved, flags });
 
 // The studio's page, and what is asked of other places than its own.
-async function studio(devTools, width = 1280, origin = isolated) {
-  const page = await devTools.page("about:blank", width, 900);
+async function studio(browser, width = 1280, origin = isolated) {
+  const page = await browser.page("about:blank", width, 900);
   // Where no headers allow threads, and no service worker adds them, as by http from another machine.
   if (origin !== isolated) await page.ask("Page.addScriptToEvaluateOnNewDocument", { source: "delete Navigator.prototype.serviceWorker" });
-  page.elsewhere = [];
-  page.on("Network.requestWillBeSent", ({ request }) => {
-    if (!/^(blob|data):/.test(request.url) && !request.url.startsWith(origin)) page.elsewhere.push(request.url);
-  });
-  await page.ask("Network.enable");
-  await page.ask("Page.navigate", { url: `${origin}/pages/studio.html` });
+  page.elsewhere = async () => (await page.requests()).filter((url) => !/^(blob|data|about):/.test(url) && !url.startsWith(origin));
+  await page.goTo(`${origin}/pages/studio.html`);
   page.text = (id) => page.value(`document.getElementById("${id}")?.textContent ?? ""`);
   page.picture = async (name) => {
     if (!values.pictures) return;
     fs.mkdirSync(values.pictures, { recursive: true });
-    const { data } = await page.ask("Page.captureScreenshot", { format: "png" });
-    fs.writeFileSync(path.join(values.pictures, `${name}-${width}.png`), Buffer.from(data, "base64"));
+    fs.writeFileSync(path.join(values.pictures, `${name}-${width}.png`), await page.screenshot());
   };
   page.ready = () => until("the studio is ready", () => page.value("document.getElementById('drop')?.dataset.ready === 'true'"));
   page.quality = (quality) => page.value(`document.getElementById("quality").value = ${JSON.stringify(quality)}`);
@@ -78,13 +77,6 @@ async function studio(devTools, width = 1280, origin = isolated) {
   page.plays = () => page.value("Boolean(document.querySelector('cosplat-avatar')?.remote)");
   await page.ready();
   return page;
-}
-
-// A file of the disk, as if it were chosen.
-async function choose(page, file) {
-  const { root } = await page.ask("DOM.getDocument");
-  const { nodeId } = await page.ask("DOM.querySelector", { nodeId: root.nodeId, selector: "#file" });
-  await page.ask("DOM.setFileInputFiles", { nodeId, files: [path.resolve(file)] });
 }
 
 // Until the avatar is done; says when each part began.
@@ -111,20 +103,20 @@ async function made(page, name) {
   await sleep(1500);
   await page.picture(`${name}-done`);
   assert.ok(await page.plays(), name);
-  assert.deepEqual(page.elsewhere, [], name);
+  assert.deepEqual(await page.elsewhere(), [], name);
 }
 
 if (values.film) {
-  const page = await studio(browser("profile"));
+  const page = await studio(await open("profile"));
   await page.picture("begin");
   await page.quality(values.quality ?? "draft");
   for (let i = 0; i < Number(values.times ?? 1); ++i) {
-    await choose(page, values.film);
+    await page.choose("#file", path.resolve(values.film));
     await until("it has begun", async () => !(await page.text("step")).startsWith("Done"));
     await made(page, "film");
     console.log(await page.text("log"));
-    const { bytes } = await page.value("performance.measureUserAgentSpecificMemory()");
-    console.log(`memory: ${await page.value("document.documentElement.dataset.megabytes")} MB of the trainer, ${Math.round(bytes / 1e6)} MB of the page after it`);
+    const bytes = await page.value("performance.measureUserAgentSpecificMemory?.().then(({ bytes }) => bytes)");
+    console.log(`memory: ${await page.value("document.documentElement.dataset.megabytes")} MB of the trainer, ${bytes ? Math.round(bytes / 1e6) : "?"} MB of the page after it`);
   }
   if (values.out) await save(page, "/avatar.glb", () => values.out);
   process.exit(0);
@@ -134,8 +126,8 @@ if (values.film) {
 // Without the frames from all around, which come last.
 const FRAMES = 80, SIZE = 384;
 execFileSync(values.cosplat, ["make-head", "-o", inWork("head"), "--frontal", "--frames", String(FRAMES + 60), "--size", String(SIZE), "--quiet"], { stdio: "inherit" });
-const devTools = browser("profile");
-const page = await studio(devTools);
+const browser = await open("profile");
+const page = await studio(browser);
 await page.picture("begin");
 const planes = await page.value(`(async () => {
   const canvas = Object.assign(document.createElement("canvas"), { width: ${SIZE}, height: ${SIZE} });
@@ -239,15 +231,13 @@ await until("a checkpoint is kept", () => page.value(`(async () => {
 })()`), 120);
 await page.close();
 console.log(`closed at ${at}`);
-const again = await studio(devTools);
+const again = await studio(browser);
 await made(again, "again");
 const log = await again.text("log");
 assert.match(log, /resumed at step (?!2,000 )/);
 console.log(log.split("\n").filter((line) => /PSNR|resum/.test(line)).join("\n"));
 
 // What is saved: the avatar, and a page that plays it from a file.
-const saved = inWork("saved");
-await devTools.ask("Browser.setDownloadBehavior", { behavior: "allow", downloadPath: saved });
 for (const [id, name, seconds] of [["glb", "avatar.glb", 0], ["html", "me.html", 0], ["record", "me.webm", 2]]) {
   await again.value(`document.getElementById("${id}").click()`);
   if (seconds) {
@@ -258,21 +248,24 @@ for (const [id, name, seconds] of [["glb", "avatar.glb", 0], ["html", "me.html",
 }
 const [[, base64]] = await again.value(stored("/avatar.glb"));
 assert.ok(fs.readFileSync(path.join(saved, "avatar.glb")).equals(Buffer.from(base64, "base64")));
-const alonePage = await devTools.page(pathToFileURL(path.join(saved, "me.html")).href, 1280, 900);
+const alonePage = await browser.page(pathToFileURL(path.join(saved, "me.html")).href, 1280, 900);
 await until("the saved page plays", () => alonePage.value("Boolean(document.querySelector('cosplat-avatar')?.remote)"));
 await alonePage.close();
 
 // Without a network.
 await until("all is in the cache", () => again.value("document.documentElement.dataset.offline === 'true'"), 120);
-await again.ask("Network.emulateNetworkConditions", { offline: true, latency: 0, downloadThroughput: 0, uploadThroughput: 0 });
-await again.ask("Page.reload");
+server.close();
+server.closeAllConnections();
+await again.reload();
 await again.ready();
 await until("the earlier avatar plays without a network", () => again.plays());
 await again.close();
 
+if (values.firefox) process.exit(0);
+
 // By the camera, on a phone's width, with one thread.
 const alone = originOf(await serve({ folders, isolated: false }));
-const filmed = await studio(browser("camera", `--use-file-for-fake-video-capture=${inWork("camera.y4m")}`), 390, alone);
+const filmed = await studio(await open("camera", `--use-file-for-fake-video-capture=${inWork("camera.y4m")}`), 390, alone);
 assert.equal(await filmed.value("crossOriginIsolated"), false);
 await filmed.quality("draft");
 await filmed.value("document.getElementById('camera').click()");

@@ -54,9 +54,14 @@ async function rateOf(video) {
     video.play();
   });
   video.pause();
+  video.playbackRate = 1;
   const steps = times.slice(1).map((t, i) => t - times[i]).filter((step) => step > 1e-3);
   return steps.length > 0 ? Math.min(240, Math.round(1 / Math.min(...steps))) : 30;
 }
+
+// Seconds that looking up one frame takes: it is decoded from the key frame before it.
+const SEEK = 0.2;
+const WAITING = 4;  // frames that may wait for the encoder while more are read
 
 // Calls use(number, bytes) for at most `wanted` frames that are spread evenly, each other than the one
 // before it: a still picture would be trained on and tested by. Says how far it is by
@@ -66,16 +71,55 @@ export async function forFrames(video, wanted, use, progress) {
   const frames = Math.max(1, Math.floor(video.duration * rate));
   const count = Math.min(frames, wanted);
   const canvas = canvasFor(video), context = canvas.getContext("2d");
-  let last = null, used = 0;
-  for (let i = 0; i < count; ++i) {
-    const frame = Math.floor((i * frames) / count);
-    const seeked = event(video, "seeked", () => "the video cannot be decoded");
-    video.currentTime = (frame + 0.5) / rate;
-    await seeked;
+  let last = null, used = 0, taken = 0, done = 0, queue = Promise.resolve();
+  const take = () => {
     context.drawImage(video, 0, 0, canvas.width, canvas.height);
-    const bytes = await encode(canvas);
-    if (!same(last, bytes)) await use(used++, bytes);
-    last = bytes;
-    progress(i + 1, count);
+    const encoded = encode(canvas);
+    ++taken;
+    queue = queue.then(async () => {
+      const bytes = await encoded;
+      if (!same(last, bytes)) await use(used++, bytes);
+      last = bytes;
+      progress(++done, count);
+    });
+  };
+  const played = video.requestVideoFrameCallback && video.duration < SEEK * count;
+  const wantedFrame = (i) => Math.floor((i * frames) / count);
+  // Plays until the i-th wanted frame is shown, or one before the next, and takes it; false if all were
+  // passed over.
+  const playedTo = (i) =>
+    new Promise((resolve) => {
+      let waited = 0;
+      const end = (found) => {
+        video.removeEventListener("ended", missed);
+        video.cancelVideoFrameCallback(waited);
+        resolve(found);
+      };
+      const missed = () => end(false);
+      const look = (_, { mediaTime }) => {
+        const shown = Math.floor(mediaTime * rate + 0.25);
+        if (shown < wantedFrame(i)) return void (waited = video.requestVideoFrameCallback(look));
+        if (shown < wantedFrame(i + 1)) take();
+        end(shown < wantedFrame(i + 1));
+      };
+      if (video.ended) return resolve(false);
+      video.addEventListener("ended", missed);
+      waited = video.requestVideoFrameCallback(look);
+      if (video.paused) video.play().catch(missed);
+    });
+  for (let i = 0; i < count; ++i) {
+    if (!played || !(await playedTo(i))) {
+      video.pause();
+      const seeked = event(video, "seeked", () => "the video cannot be decoded");
+      video.currentTime = (wantedFrame(i) + 0.5) / rate;
+      await seeked;
+      take();
+    }
+    if (taken - done > WAITING) {
+      video.pause();
+      await queue;
+    }
   }
+  video.pause();
+  await queue;
 }
