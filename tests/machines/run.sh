@@ -155,7 +155,7 @@ outcome() {
 make_system "$system"
 extra=(git)
 [[ -z $ccache ]] || extra+=(ccache)
-[[ $web -eq 0 ]] || extra+=(python3 python3-numpy firefox-esr)
+[[ $web -eq 0 ]] || extra+=(python3 python3-numpy firefox-esr xvfb xauth libgl1-mesa-dri)
 [[ -z $compiler ]] || extra+=("${compiler%++}")
 step "Bringing the system up to date" \
   "export DEBIAN_FRONTEND=noninteractive; apt-get update && apt-get -y upgrade &&

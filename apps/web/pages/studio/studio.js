@@ -215,7 +215,7 @@ function record() {
   recorder = new MediaRecorder(canvas.captureStream(30));
   recorder.ondataavailable = ({ data }) => parts.push(data);
   recorder.onstop = () => {
-    save(new Blob(parts, { type: recorder.mimeType }), "me.webm");
+    save(new Blob(parts, { type: recorder.mimeType }), /mp4/.test(recorder.mimeType) ? "me.mp4" : "me.webm");
     recorder = null;
     button.textContent = "Record a video";
   };
