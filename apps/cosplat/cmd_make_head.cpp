@@ -1,6 +1,7 @@
 // cosplat make-head: writes the procedural head's tracked video and its model file.
 #include <cstdio>
 #include <memory>
+#include <vector>
 
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/run/head_sheets.h"
@@ -39,10 +40,7 @@ void AddMakeHead(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("make-head", "render the procedural head: a tracked video to train on");
   const auto o = std::make_shared<MakeHeadChoices>();
-  auto* out = command->add_option("-o,--out", o->out, "folder to write");
-  auto* sheets = command->add_option(
-      "--sheets", o->sheets, "folder for pictures of the expressions and shapes of our own head");
-  out->excludes(sheets);
+  command->add_option("-o,--out", o->out, "folder to write");
   command->add_option("--frames", o->frames, "length of the video");
   command->add_option("--test-frames", o->test_frames, "the last ones, with unseen expressions");
   command->add_option("--size", o->size, "width and height in pixels");
@@ -56,6 +54,12 @@ void AddMakeHead(CLI::App& app) {
       ->add_option(
           "--landmark-noise", o->landmark_noise, "px, added to the points in landmarks.json")
       ->check(CLI::Range(0.0, 100.0));
+  const std::vector<CLI::Option*> of_video = command->get_options([&](const CLI::Option* option) {
+    return option != command->get_help_ptr() && option != command->get_help_all_ptr();
+  });
+  auto* sheets = command->add_option(
+      "--sheets", o->sheets, "folder for pictures of the expressions and shapes of our own head");
+  for (CLI::Option* option : of_video) sheets->excludes(option);
   command->add_flag("--quiet", o->quiet, "print nothing but errors");
   command->callback([o] { MakeHead(*o); });
 }

@@ -184,6 +184,7 @@ TEST(Cli, RendersAnOrbitToAFolderAndToAVideo) {
 TEST(Cli, DrawsWhatOurOwnHeadCanDo) {
   const TemporaryFolder out;
   ASSERT_EQ(Cosplat({"make-head", "--sheets", out / "sheets"}).code, 0);
+  EXPECT_NE(Cosplat({"make-head", "--sheets", out / "none", "--frames", "5"}).code, 0);
   for (const char* sheet : {"expressions", "shapes", "people"})
     EXPECT_EQ(ReadImage(out / ("sheets/" + std::string(sheet) + ".png")).width, 13 * 160) << sheet;
 }
