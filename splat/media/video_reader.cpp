@@ -63,19 +63,25 @@ bool IsInterlaced(const AVFrame& frame) {
 #endif
 }
 
-// Whether lines differ from both neighbours, which are alike: fields of two times, of what moves.
+// Whether pieces of lines differ from both neighbours, which are alike: fields of two times, of
+// what moves. Pieces, since single pixels of noise do, too.
 template <class T>
 bool IsCombed(const AVFrame& frame, int depth) {
+  constexpr int kPiece = 4;  // px
   const int least = 12 << (depth - 8);
   const ptrdiff_t row = frame.linesize[0] / ptrdiff_t(sizeof(T));
   const T* luma = reinterpret_cast<const T*>(frame.data[0]);
   size_t combed = 0, seen = 0;
   for (int y = 1; y + 1 < frame.height; y += 3) {
-    for (int x = 0; x < frame.width; x += 2, ++seen) {
+    int run = 0;
+    for (int x = 0; x < frame.width; ++x, ++seen) {
       const int above = luma[(y - 1) * row + x], below = luma[(y + 1) * row + x];
       const int here = luma[y * row + x];
-      combed += std::abs(above - below) < least &&
-                (here - std::max(above, below) > least || std::min(above, below) - here > least);
+      const bool differs =
+          std::abs(above - below) < least &&
+          (here - std::max(above, below) > least || std::min(above, below) - here > least);
+      run = differs ? run + 1 : 0;
+      combed += run >= kPiece;
     }
   }
   return 1000 * combed > seen;
