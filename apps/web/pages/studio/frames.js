@@ -50,8 +50,9 @@ async function rateOf(video) {
     };
     video.requestVideoFrameCallback(look);
     video.addEventListener("ended", resolve, { once: true });
+    setTimeout(resolve, STALLED);
     video.playbackRate = 0.5;  // so that none is left out
-    video.play();
+    video.play().catch(resolve);
   });
   video.pause();
   video.playbackRate = 1;
@@ -61,6 +62,8 @@ async function rateOf(video) {
 
 // Seconds that looking up one frame takes: it is decoded from the key frame before it.
 const SEEK = 0.2;
+// ms without a frame, as in a tab that is not shown: browsers do not play there.
+const STALLED = 3000;
 const WAITING = 4;  // frames that may wait for the encoder while more are read
 
 // Calls use(number, bytes) for at most `wanted` frames that are spread evenly, each other than the one
@@ -91,18 +94,20 @@ export async function forFrames(video, wanted, use, progress) {
     new Promise((resolve) => {
       let waited = 0;
       const end = (found) => {
+        clearTimeout(stalled);
         video.removeEventListener("ended", missed);
         video.cancelVideoFrameCallback(waited);
         resolve(found);
       };
       const missed = () => end(false);
+      const stalled = setTimeout(missed, STALLED);
       const look = (_, { mediaTime }) => {
         const shown = Math.floor(mediaTime * rate + 0.25);
         if (shown < wantedFrame(i)) return void (waited = video.requestVideoFrameCallback(look));
         if (shown < wantedFrame(i + 1)) take();
         end(shown < wantedFrame(i + 1));
       };
-      if (video.ended) return resolve(false);
+      if (video.ended) return missed();
       video.addEventListener("ended", missed);
       waited = video.requestVideoFrameCallback(look);
       if (video.paused) video.play().catch(missed);
