@@ -21,6 +21,7 @@
 #include "avatar/train/embedded_gaussians.h"
 #include "avatar/train/hole_guard.h"
 #include "avatar/train/light_fit.h"
+#include "avatar/train/mesh_in_frame.h"
 #include "avatar/train/posed_vertices.h"
 #include "avatar/train/refined_frame.h"
 #include "flame/model.h"
@@ -30,6 +31,8 @@
 #include "splat/train/trainer.h"
 
 namespace cosplat {
+
+class PaintedMesh;
 
 // Selects between this project's and SplattingAvatar's (Shao et al. 2024) choices where they differ
 // and no separate option selects them.
@@ -146,8 +149,8 @@ class AvatarSubject : public Subject {
   AvatarSubject(const FlameModel& flame, TrackedVideo video, const AvatarSettings& settings);
   ~AvatarSubject() override;
 
-  // The first Gaussians: isotropic, grey, opacity 0.1, distributed as AvatarSettings::system says.
-  // To be called before training.
+  // The first Gaussians: isotropic, grey, opacity 0.1, distributed as AvatarSettings::system says;
+  // none where the mesh is beyond all frames. To be called before training.
   Gaussians InitialGaussians(int degree, Basis basis, uint64_t seed);
 
   // The current avatar with the trainer's Gaussians.
@@ -206,7 +209,10 @@ class AvatarSubject : public Subject {
   Bust MeanBustOfTrack() const;
   void StartBustTrack();
   void StartLight();
+  MeshInFrame MeshIn(size_t frame);
   void AddVirtualViews();
+  void AddWideViews(const PaintedMesh& painted, size_t count, std::vector<TrainFrame>& views);
+  void FindFacesBeyond(const PaintedMesh& painted);
   Appearance CurrentAppearance() const;
   void BuildMesh();
   void SetFaceRates();
@@ -227,6 +233,7 @@ class AvatarSubject : public Subject {
   SubjectMesh subject_;
   std::vector<TrainFrame> frames_;  // the training frames, then virtual views
   FilmedFrom filmed_;
+  std::vector<uint8_t> beyond_frames_;  // [F] faces that are far beyond all frames, or empty
   std::vector<size_t> virtual_sources_;
   PosedTrack track_;
   std::vector<float> face_rates_;  // [F] factors on the learning rates of du and dv on each face

@@ -11,6 +11,7 @@
 #include "avatar/surface/sample.h"
 #include "avatar/surface/silhouette.h"
 #include "avatar/train/avatar_subject.h"
+#include "avatar/train/painted_mesh.h"
 #include "avatar/train/virtual_views.h"
 #include "flame/mouth.h"
 #include "splat/base/error.h"
@@ -23,8 +24,8 @@ namespace {
 // Training frames that show the mesh's colours, evenly chosen.
 constexpr size_t kPaintFrames = 40;
 
-// Virtual views of a short video.
-constexpr size_t kFewestViews = 6;
+// Virtual views of a short video; and for how many there is a wide one.
+constexpr size_t kFewestViews = 6, kVirtualPerWide = 3;
 
 constexpr float kInitialOpacity = 0.1f;  // SplattingAvatar
 
@@ -185,10 +186,6 @@ void AvatarSubject::AddVirtualViews() {
   const size_t real = frames_.size();
   const float share = settings_.virtual_views;
   const size_t count = std::max(size_t(share / (1 - share) * float(real)), kFewestViews);
-  const auto mesh_in = [&](size_t i) {
-    if (!bust_track_.empty()) track_.frames[i].params.bust = bust_track_.PoseOf(i);
-    return MeshInFrame{&frames_[i], track_.VerticesOf(i)};
-  };
   std::vector<HeadInFrame> heads;
   for (size_t i = 0; i < real; ++i) {
     const std::vector<float>& vertices = track_.VerticesOf(i);
@@ -201,19 +198,47 @@ void AvatarSubject::AddVirtualViews() {
   }
   filmed_ = FilmedFromOf(heads);
   if (!IsOurs() || !IsMasked() || share == 0) return;
-  const std::vector<VirtualView> views = ChooseVirtualViews(heads, count);
-  if (views.empty()) return;
   std::vector<MeshInFrame> learned, sources;
-  for (size_t i = 0; i < real; i += 1 + (real - 1) / kPaintFrames) learned.push_back(mesh_in(i));
-  for (const VirtualView& view : views) sources.push_back(mesh_in(view.source));
+  for (size_t i = 0; i < real; i += 1 + (real - 1) / kPaintFrames) learned.push_back(MeshIn(i));
   const PaintedMesh painted(flame_, subject_.mesh, learned, kEnlarged * subject_.unit);
   filmed_.guessed = painted.GuessedShare();
+  FindFacesBeyond(painted);
+  const std::vector<VirtualView> views = ChooseVirtualViews(heads, count);
+  for (const VirtualView& view : views) sources.push_back(MeshIn(view.source));
   std::vector<TrainFrame> seen(views.size());
   tbb::parallel_for(size_t(0), views.size(), [&](size_t k) {
     seen[k] = ToVirtualView(views[k], sources[k], painted);
   });
-  std::move(seen.begin(), seen.end(), std::back_inserter(frames_));
   for (const VirtualView& view : views) virtual_sources_.push_back(view.source);
+  AddWideViews(painted, count / kVirtualPerWide, seen);
+  std::move(seen.begin(), seen.end(), std::back_inserter(frames_));
+}
+
+MeshInFrame AvatarSubject::MeshIn(size_t i) {
+  if (!bust_track_.empty()) track_.frames[i].params.bust = bust_track_.PoseOf(i);
+  return {&frames_[i], track_.VerticesOf(i)};
+}
+
+void AvatarSubject::AddWideViews(const PaintedMesh& painted,
+                                 size_t count,
+                                 std::vector<TrainFrame>& views) {
+  std::vector<BodyInFrame> bodies;
+  for (size_t i = 0; i < frames_.size(); ++i) bodies.push_back(painted.BodyIn(MeshIn(i)));
+  const bool is_cut = std::any_of(bodies.begin(), bodies.end(), [](const BodyInFrame& body) {
+    return ReachesBorder(*body.frame);
+  });
+  const FilmedBox box = FilmedBoxOf(bodies);
+  for (size_t k = 0; is_cut && k < count; ++k) {
+    const size_t source = k * bodies.size() / count;
+    views.push_back(ToWideView(bodies[source], box, painted.scale()));
+    virtual_sources_.push_back(source);
+  }
+}
+
+void AvatarSubject::FindFacesBeyond(const PaintedMesh& painted) {
+  for (const std::array<int32_t, 3>& f : subject_.mesh.faces)
+    beyond_frames_.push_back(std::all_of(
+        f.begin(), f.end(), [&](int32_t v) { return painted.IsBeyondFrames(size_t(v)); }));
 }
 
 void AvatarSubject::BuildMesh() {
@@ -226,7 +251,8 @@ void AvatarSubject::BuildMesh() {
 void AvatarSubject::SetSpacing(Gaussians& g) {
   if (settings_.system == AvatarSystem::kCosplat) {
     // Evenly spread: the spacing is the square root of each Gaussian's equal share of the area.
-    const float spacing = float(std::sqrt(SurfaceArea(subject_.mesh) / double(g.size())));
+    const float spacing =
+        float(std::sqrt(SurfaceArea(subject_.mesh) / double(settings_.initial_gaussians)));
     for (float& s : g.values[kScaleLog]) s = std::log(spacing);
     return;
   }
@@ -244,15 +270,17 @@ Gaussians AvatarSubject::InitialGaussians(int degree, Basis basis, uint64_t seed
   g.degree = degree;
   g.basis = basis;
   g.corrections = int(correction_map_.count());
-  g.Resize(settings_.initial_gaussians);
   const bool released = settings_.system == AvatarSystem::kReleased;
   Embedding embedding;
   if (released) embedding.released = ReleasedRule{subject_.unit};
-  for (const SurfacePoint& p : released ? SampleFaces(subject_.mesh, g.size(), rng)
-                                        : SampleSurface(subject_.mesh, g.size(), rng)) {
+  const size_t count = settings_.initial_gaussians;
+  for (const SurfacePoint& p : released ? SampleFaces(subject_.mesh, count, rng)
+                                        : SampleSurface(subject_.mesh, count, rng)) {
+    if (!beyond_frames_.empty() && beyond_frames_[size_t(p.triangle)]) continue;
     embedding.triangle.push_back(p.triangle);
     embedding.barycentric.push_back(p.barycentric);
   }
+  g.Resize(embedding.triangle.size());
   embedded_ = EmbeddedGaussians(embedding, embedding.triangle, face_rates_, *stream_);
   for (size_t i = 0; i < g.size(); ++i) {
     g.at(kRotation, i)[0] = 1;

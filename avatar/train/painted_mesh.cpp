@@ -8,6 +8,7 @@
 #include "avatar/math/one_euro.h"
 #include "avatar/train/hair_shell.h"
 #include "avatar/train/nearby.h"
+#include "avatar/train/wide_views.h"
 #include "splat/media/signed_distance.h"
 
 namespace cosplat {
@@ -75,6 +76,17 @@ PaintedMesh::PaintedMesh(const FlameModel& flame,
   LearnReach(with_hair);
 }
 
+BodyInFrame PaintedMesh::BodyIn(const MeshInFrame& seen) const {
+  Vec3<float> sum{0, 0, 0};
+  float count = 0;
+  for (size_t v = 0; v < regions_.head_vertices; ++v) {
+    if (regions_.part[v] != HeadPart::kBody) continue;
+    sum += seen.Vertex(v);
+    ++count;
+  }
+  return {seen.frame, sum * (1 / std::max(count, 1.0f))};
+}
+
 MeshInFrame PaintedMesh::WithHair(const MeshInFrame& seen) const {
   const std::vector<Vec3<float>> normals = NormalsOf(seen.vertices, faces_);
   MeshInFrame moved = seen;
@@ -98,7 +110,8 @@ void PaintedMesh::LearnColors(const std::vector<MeshInFrame>& frames) {
       sums[v] += weight;
       best[v] = std::max(best[v], sample.weight);
       const Camera& camera = seen.frame->camera;
-      if (IsIn(camera, Project(camera, seen.Vertex(v)))) in_frame_[v] = 1;
+      const float share = InFrameShare(camera, Project(camera, seen.Vertex(v)), scale_);
+      in_frame_[v] = std::max(in_frame_[v], share);
     });
   }
   for (size_t v = 0; v < count; ++v)

@@ -11,6 +11,7 @@
 #include "avatar/surface/silhouette.h"
 #include "avatar/train/head_regions.h"
 #include "avatar/train/mesh_in_frame.h"
+#include "avatar/train/wide_views.h"
 #include "flame/model.h"
 #include "splat/base/image.h"
 #include "splat/math/vec.h"
@@ -35,8 +36,12 @@ class PaintedMesh {
 
   // Of the point that a pixel shows, [0, 255].
   math::Vec3<float> ColorAt(const MeshPixel& at) const { return Mixed(colors_, at); }
-  // 1 where some frame's image has the point in it, 0 where all end before it.
+  // 1 where some frame's image has the point in it, falling to 0 beyond where all of them end.
   float InFrameAt(const MeshPixel& at) const { return Mixed(in_frame_, at); }
+  // Whether a vertex is so far beyond all frames that nothing of it is to be seen.
+  bool IsBeyondFrames(size_t vertex) const { return in_frame_[vertex] == 0; }
+  // About the middle of the neck.
+  BodyInFrame BodyIn(const MeshInFrame& seen) const;
   // [height, width] 255 outside of the drawn mesh, where the person may be nevertheless: within the
   // reach of the part of the head that is nearest. shown: what was drawn, with hair.
   Image8 BeyondMesh(const MeshInFrame& shown,
