@@ -43,6 +43,7 @@ GstStructure* ToStructure(const SrcStats& stats) {
   number("accepted", f.accepted);
   number("refused", f.late + f.not_finite + f.out_of_range + f.wrong_size);
   number("softened", f.softened);
+  number("beyond-film", f.beyond_film);
   number("held", f.held);
   number("decayed", f.decayed);
   text("drive", stats.drive.c_str());

@@ -53,6 +53,9 @@ class Info(_Structure):
         ("box_min", c.c_float * 3),
         ("box_max", c.c_float * 3),
         ("background", c.c_float * 3),
+        ("knows_filmed", c.c_uint32),
+        ("filmed_yaw", c.c_float * 2),
+        ("filmed_pitch", c.c_float * 2),
     ]
 
 
@@ -109,6 +112,7 @@ class Health(_Structure):
         ("drive_packets", c.c_uint64),
         ("drive_unusable", c.c_uint64),
         ("drive_notes", c.c_char_p),
+        ("beyond_film", c.c_uint64),
     ]
 
 

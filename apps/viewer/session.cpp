@@ -135,18 +135,8 @@ Shot Session::ShotFor(int width, int height) const {
 }
 
 bool Session::IsBeyondFilm() const {
-  if (!filmed_) return false;
-  constexpr float kTolerance = 0.21f;  // radians
-  const FlameParams shown = Face();
-  const auto turn = [&](size_t joint) { return math::QuatOfAxisAngle(shown.pose[joint]); };
-  const math::Mat3<float> world_from_head = math::RotationOf(math::Multiply(turn(0), turn(1)));
-  const math::Vec3<float> d = math::Normalize(
-      math::TransposeTimes(world_from_head, math::ToVec3(camera.At(1, 1).Center()) - center_));
-  const auto is_beyond = [](float angle, const std::array<float, 2>& range) {
-    return angle < range[0] - kTolerance || angle > range[1] + kTolerance;
-  };
-  return is_beyond(std::atan2(d.x, d.z), filmed_->yaw) ||
-         is_beyond(std::asin(std::clamp(d.y, -1.0f, 1.0f)), filmed_->pitch);
+  return filmed_ &&
+         cosplat::IsBeyondFilm(*filmed_, Face(), center_, math::ToVec3(camera.At(1, 1).Center()));
 }
 
 int64_t Session::input_ns() const { return driver == Driver::kLive ? live_->input_ns() : now_ns_; }

@@ -93,6 +93,13 @@ struct FilmedFrom {
   std::optional<float> guessed;
 };
 
+// Whether `eye` sees the head from more than 12 degrees beyond that, where it is a guess. face: the
+// parameters that it is posed by; center: the head's. Metres, world.
+bool IsBeyondFilm(const FilmedFrom& filmed,
+                  const FlameParams& face,
+                  const math::Vec3<float>& center,
+                  const math::Vec3<float>& eye);
+
 // How a frame's parameters choose the weights of the Gaussians' corrections
 // (avatar/model/corrections.h). Inputs z: the expression coefficients, then the axis-angles of
 // neck, jaw, left and right eye. weight_k = matrix_k (z - mean), softly limited to [least_k,

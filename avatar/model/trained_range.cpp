@@ -4,6 +4,7 @@
 #include "avatar/math/turn.h"
 #include "avatar/model/avatar_model.h"
 
+// What training saw: of parameters, and of directions.
 namespace cosplat {
 
 TrainedRange RangeOf(const std::vector<FlameParams>& frames) {
@@ -26,6 +27,21 @@ TrainedRange RangeOf(const std::vector<FlameParams>& frames) {
     }
   }
   return range;
+}
+
+bool IsBeyondFilm(const FilmedFrom& filmed,
+                  const FlameParams& face,
+                  const math::Vec3<float>& center,
+                  const math::Vec3<float>& eye) {
+  constexpr float kTolerance = 0.21f;  // radians
+  const auto turn = [&](size_t joint) { return math::QuatOfAxisAngle(face.pose[joint]); };
+  const math::Mat3<float> world_from_head = math::RotationOf(math::Multiply(turn(0), turn(1)));
+  const math::Vec3<float> d = math::Normalize(math::TransposeTimes(world_from_head, eye - center));
+  const auto is_beyond = [](float angle, const std::array<float, 2>& range) {
+    return angle < range[0] - kTolerance || angle > range[1] + kTolerance;
+  };
+  return is_beyond(std::atan2(d.x, d.z), filmed.yaw) ||
+         is_beyond(std::asin(std::clamp(d.y, -1.0f, 1.0f)), filmed.pitch);
 }
 
 }  // namespace cosplat

@@ -97,6 +97,6 @@ cosplat_status cosplat_set_policy(cosplat_avatar* avatar, const cosplat_policy* 
 }
 
 cosplat_status cosplat_get_health(cosplat_avatar* avatar, cosplat_health* health) {
-  return WithAvatar(
-      avatar, [&](Instance& instance) { WriteStruct(instance.face().Health(), health, "health"); });
+  return WithAvatar(avatar,
+                    [&](Instance& instance) { WriteStruct(instance.Health(), health, "health"); });
 }

@@ -115,6 +115,11 @@ typedef struct cosplat_info {
   uint32_t joint_count;
   float box_min[3], box_max[3]; /* metres, world: bounds of the Gaussians' centres at rest */
   float background[3];          /* sRGB from 0 to 1: background on which it was evaluated */
+  /* From where the head was filmed, radians, least and most: yaw to its left, pitch upwards. More
+   * than 12 degrees beyond them a picture is a guess. Has sense only if knows_filmed is 1, which it
+   * is not for heads of other trainers. */
+  uint32_t knows_filmed;
+  float filmed_yaw[2], filmed_pitch[2];
 } cosplat_info;
 
 /* Writes the avatar's properties, which do not change while it is open. */
@@ -260,6 +265,7 @@ typedef struct cosplat_health {
   /* One line: what arrived and was not used, by name and count, and whether two senders take turns;
    * "" if there is nothing to say. */
   const char* drive_notes;
+  uint64_t beyond_film; /* pictures of the head from where it was not filmed: guesses */
 } cosplat_health;
 /* Writes the state of the face and all counts. */
 COSPLAT_API cosplat_status cosplat_get_health(cosplat_avatar* avatar, cosplat_health* health);

@@ -68,6 +68,10 @@ cosplat_info InfoOf(const AvatarModel& avatar,
     max = i < 3 ? position[i] : std::max(max, position[i]);
   }
   std::copy(avatar.background.begin(), avatar.background.end(), info.background);
+  if (!avatar.filmed) return info;
+  info.knows_filmed = 1;
+  std::copy_n(avatar.filmed->yaw.begin(), 2, info.filmed_yaw);
+  std::copy_n(avatar.filmed->pitch.begin(), 2, info.filmed_pitch);
   return info;
 }
 
@@ -139,8 +143,16 @@ void Instance::SetDrive(const char* drive) {
   parameters_.ForgetTime();
 }
 
-void Instance::Pose() {
-  player_.Pose(face_.shown() ? *face_.shown() : parameters_.current(), placed_);
+const FlameParams& Instance::Face() const {
+  return face_.shown() ? *face_.shown() : parameters_.current();
+}
+
+void Instance::Pose() { player_.Pose(Face(), placed_); }
+
+cosplat_health Instance::Health() {
+  cosplat_health health = face_.Health();
+  health.beyond_film = beyond_film_;
+  return health;
 }
 
 WorldGaussians Instance::Placed() {
@@ -170,6 +182,9 @@ void Instance::Render(const cosplat_picture& picture) {
   const PixelLayout layout{static_cast<AlphaMode>(picture.alpha),
                            picture.format == COSPLAT_FORMAT_BGRA8};
   WriteImageBytes(image, layout, static_cast<uint8_t*>(picture.pixels), stride);
+  if (const std::optional<FilmedFrom>& filmed = player_.avatar().filmed)
+    beyond_film_ +=
+        IsBeyondFilm(*filmed, Face(), head_place_.center, math::ToVec3(camera.Center()));
 }
 
 }  // namespace cosplat::plugin

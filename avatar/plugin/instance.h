@@ -48,6 +48,8 @@ class Instance {
   void SetDrive(const char* drive);
   void Advance(int64_t now_ns) { face_.Advance(now_ns, parameters_); }
   void Render(const cosplat_picture& picture);
+  // Its texts are valid until the next call.
+  cosplat_health Health();
   // The Gaussians that Render draws now. Valid until the next call of either.
   WorldGaussians Placed();
   const AvatarModel& avatar() const { return player_.avatar(); }
@@ -61,6 +63,7 @@ class Instance {
 
  private:
   Camera CameraFor(const cosplat_picture& picture) const;
+  const FlameParams& Face() const;
   void Pose();
 
   FlameModel flame_;
@@ -73,6 +76,7 @@ class Instance {
   std::optional<DepthPass> depth_;  // created when a depth is first requested
   cosplat_info info_{};
   HeadPlace head_place_;
+  uint64_t beyond_film_ = 0;
   std::vector<std::string> expression_names_;
   std::array<char, 512> last_error_{};
   std::atomic<bool> busy_ = false;

@@ -26,6 +26,8 @@ constexpr size_t kFirstSize = sizeof(T);
 template <>
 inline constexpr size_t kFirstSize<cosplat_open_options> = offsetof(cosplat_open_options, bust);
 template <>
+inline constexpr size_t kFirstSize<cosplat_info> = offsetof(cosplat_info, knows_filmed);
+template <>
 inline constexpr size_t kFirstSize<cosplat_health> = offsetof(cosplat_health, drive_packets);
 
 template <class T>

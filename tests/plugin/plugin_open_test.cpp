@@ -179,6 +179,69 @@ TEST(PluginOpen, RefusesWrongArguments) {
   EXPECT_EQ(Open(Path(), &options), COSPLAT_ERROR_ARGUMENT);
 }
 
+TEST(PluginOpen, SaysFromWhereTheHeadWasFilmed) {
+  cosplat_info info = Zeroed<cosplat_info>();
+  ASSERT_EQ(cosplat_get_info(OpenAvatar(), &info), COSPLAT_OK);
+  EXPECT_EQ(info.knows_filmed, 0u);
+
+  const PluginFiles& files = PluginFiles::Get();
+  AvatarModel filmed = files.avatar;
+  filmed.filmed = FilmedFrom{{-0.1f, 0.3f}, {-0.2f, 0.2f}, {}};
+  const OpenAvatar avatar(files.Write("filmed.glb", filmed));
+  ASSERT_EQ(cosplat_get_info(avatar, &info), COSPLAT_OK);
+  EXPECT_EQ(info.knows_filmed, 1u);
+  EXPECT_NEAR(info.filmed_yaw[0], -0.1f, 1e-6f);
+  EXPECT_NEAR(info.filmed_yaw[1], 0.3f, 1e-6f);
+  EXPECT_NEAR(info.filmed_pitch[0], -0.2f, 1e-6f);
+  EXPECT_NEAR(info.filmed_pitch[1], 0.2f, 1e-6f);
+
+  // Pictures from beyond it, with a tolerance of 12 degrees, and of a head that turns away itself.
+  std::vector<uint8_t> bytes;
+  const cosplat_picture picture = PictureInto(bytes, 32, 32);
+  const auto beyond = [&] {
+    EXPECT_EQ(cosplat_render(avatar, &picture), COSPLAT_OK) << cosplat_last_error(avatar);
+    cosplat_health health = Zeroed<cosplat_health>();
+    EXPECT_EQ(cosplat_get_health(avatar, &health), COSPLAT_OK);
+    return health.beyond_film;
+  };
+  SetOrbit(avatar, 32, 32, 0);
+  EXPECT_EQ(beyond(), 0u);
+  SetOrbit(avatar, 32, 32, 0.45f);
+  const uint64_t to_the_left = beyond();
+  SetOrbit(avatar, 32, 32, -0.45f);
+  EXPECT_EQ(to_the_left, 0u);
+  EXPECT_EQ(beyond(), 1u);
+  SetOrbit(avatar, 32, 32, 0, 0.8f);
+  EXPECT_EQ(beyond(), 2u);
+  SetOrbit(avatar, 32, 32, 0);
+  EXPECT_EQ(beyond(), 2u);
+  const float turned[3] = {0, 1, 0};
+  ASSERT_EQ(cosplat_set_joint(avatar, COSPLAT_JOINT_NECK, turned, 0), COSPLAT_OK);
+  EXPECT_EQ(beyond(), 3u);
+}
+
+// Of cosplat.h 0.2.
+struct Info02 {
+  uint32_t struct_size, gaussian_count, triangle_count, expression_count, joint_count;
+  float box_min[3], box_max[3], background[3];
+};
+
+TEST(PluginStructs, AnOlderHostsInfoIsWrittenAsFarAsItGoes) {
+  EXPECT_EQ(offsetof(Info02, gaussian_count), offsetof(cosplat_info, gaussian_count));
+  EXPECT_EQ(offsetof(Info02, joint_count), offsetof(cosplat_info, joint_count));
+  EXPECT_EQ(offsetof(Info02, box_min), offsetof(cosplat_info, box_min));
+  EXPECT_EQ(offsetof(Info02, background), offsetof(cosplat_info, background));
+  const OpenAvatar avatar;
+  cosplat_info info;
+  std::memset(&info, 0x5a, sizeof(info));
+  info.struct_size = sizeof(Info02);
+  ASSERT_EQ(cosplat_get_info(avatar, &info), COSPLAT_OK);
+  EXPECT_EQ(info.gaussian_count, 1500u);
+  EXPECT_EQ(info.knows_filmed, 0x5a5a5a5au);
+  info.struct_size = sizeof(Info02) - 1;
+  EXPECT_EQ(cosplat_get_info(avatar, &info), COSPLAT_ERROR_ARGUMENT);
+}
+
 // What a host sees that was built with a cosplat.h whose structures have grown.
 TEST(PluginStructs, OfANewerHostMayBeLarger) {
   struct {

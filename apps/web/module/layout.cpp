@@ -55,6 +55,7 @@ std::string Layout() {
   BEGIN(cosplat_info)
   FIELD(struct_size), FIELD(gaussian_count), FIELD(triangle_count), FIELD(expression_count);
   FIELD(joint_count), FIELD(box_min), FIELD(box_max), FIELD(background);
+  FIELD(knows_filmed), FIELD(filmed_yaw), FIELD(filmed_pitch);
   END()
   BEGIN(cosplat_parameters)
   FIELD(struct_size), FIELD(expression_count), FIELD(expression), FIELD(time_ns);
@@ -70,7 +71,7 @@ std::string Layout() {
   FIELD(softened), FIELD(held), FIELD(decayed), FIELD(returned), FIELD(drive_frames);
   FIELD(drive_replaced), FIELD(drive_reordered), FIELD(drive_malformed), FIELD(drive_oversize);
   FIELD(drive_flooded), FIELD(drive), FIELD(drive_problem), FIELD(drive_packets);
-  FIELD(drive_unusable), FIELD(drive_notes);
+  FIELD(drive_unusable), FIELD(drive_notes), FIELD(beyond_film);
   END()
   BEGIN(cosplat_camera)
   FIELD(struct_size), FIELD(width), FIELD(height), FIELD(fx), FIELD(fy), FIELD(cx), FIELD(cy);

@@ -34,6 +34,11 @@ export interface AvatarInfo {
   boxMax: number[];
   /** sRGB from 0 to 1: the background on which it was evaluated. */
   background: number[];
+  /** 1: the file says from where the head was filmed. */
+  knowsFilmed: number;
+  /** Radians, least and most, to the head's left and upwards. */
+  filmedYaw: number[];
+  filmedPitch: number[];
 }
 export interface SceneInfo {
   gaussianCount: number;
@@ -131,6 +136,7 @@ export interface Health {
   drivePackets: number;
   driveUnusable: number;
   driveNotes: string;
+  beyondFilm: number;
 }
 
 /** A pinhole camera: x right, y down, looking along +z; pixel centres at +0.5. */
