@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <functional>
@@ -32,18 +33,16 @@ class Pool {
       for (size_t i = 0; i < count; ++i) f(i);
       return;
     }
-    {
-      std::lock_guard lock(mutex_);
-      job_ = &f;
-      count_ = count;
-      next_ = 0;
-      busy_ = threads_.size();
-      ++round_;
-    }
-    begin_.notify_all();
+    job_ = &f;
+    count_ = count;
+    next_ = 0;
+    busy_ = threads_.size();
+    Begin();
     Work();
+    const auto all_done = [&] { return busy_ == 0; };
+    if (Soon(all_done)) return;
     std::unique_lock lock(mutex_);
-    end_.wait(lock, [&] { return busy_ == 0; });
+    end_.wait(lock, all_done);
   }
 
  private:
@@ -51,15 +50,34 @@ class Pool {
     for (unsigned t = 1; t < threads_wanted_; ++t) threads_.emplace_back([this] { Serve(); });
   }
   ~Pool() {
-    {
-      std::lock_guard lock(mutex_);
-      stop_ = true;
-      ++round_;
-    }
-    begin_.notify_all();
+    stop_ = true;
+    Begin();
     for (std::thread& t : threads_) t.join();
   }
 
+  // A step of training has dozens of loops, shorter than it takes to wake a thread: the next one
+  // often begins while the threads still look for it.
+  template <class Condition>
+  static bool Soon(const Condition& condition) {
+    constexpr std::chrono::microseconds kPatience{50};
+    const auto end = std::chrono::steady_clock::now() + kPatience;
+    do {
+      for (int i = 0; i < 100; ++i) {
+        if (condition()) return true;
+        std::this_thread::yield();
+      }
+    } while (std::chrono::steady_clock::now() < end);
+    return false;
+  }
+
+  // A thread counts itself as asleep before it looks for a last time: it sees the new round, or is
+  // seen here.
+  void Begin() {
+    ++round_;
+    if (asleep_ == 0) return;
+    std::lock_guard lock(mutex_);
+    begin_.notify_all();
+  }
   void Work() {
     within_ = true;
     for (size_t i = next_++; i < count_; i = next_++) (*job_)(i);
@@ -67,15 +85,20 @@ class Pool {
   }
   void Serve() {
     size_t seen = 0;
-    std::unique_lock lock(mutex_);
+    const auto has_begun = [&] { return round_ != seen; };
     while (true) {
-      begin_.wait(lock, [&] { return round_ != seen; });
+      if (!Soon(has_begun)) {
+        std::unique_lock lock(mutex_);
+        ++asleep_;
+        begin_.wait(lock, has_begun);
+        --asleep_;
+      }
       seen = round_;
       if (stop_) return;
-      lock.unlock();
       Work();
-      lock.lock();
-      if (--busy_ == 0) end_.notify_one();
+      if (--busy_ > 0) continue;
+      std::lock_guard lock(mutex_);
+      end_.notify_one();
     }
   }
 
@@ -85,9 +108,9 @@ class Pool {
   std::mutex callers_, mutex_;
   std::condition_variable begin_, end_;
   const std::function<void(size_t)>* job_ = nullptr;
-  size_t count_ = 0, busy_ = 0, round_ = 0;
-  std::atomic<size_t> next_{0};
-  bool stop_ = false;
+  size_t count_ = 0;
+  std::atomic<size_t> next_{0}, busy_{0}, round_{0}, asleep_{0};
+  std::atomic<bool> stop_ = false;
 };
 
 }  // namespace lean
