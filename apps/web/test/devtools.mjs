@@ -43,6 +43,34 @@ export class DevTools {
     this.to.write(`${JSON.stringify({ id, method, params, sessionId })}\0`);
     return new Promise((resolve, reject) => this.answers.set(id, { resolve, reject }));
   }
+  // What the workers of a page or worker do, and theirs, in so many seconds: for each the shares of the functions, the
+  // largest first. The module has names if it was linked with --profiling-funcs.
+  async profile(sessionId, seconds) {
+    const workers = [];
+    const attach = async (to) => {
+      this.listeners.set(`${to} Target.attachedToTarget`, ({ sessionId: worker }) => {
+        workers.push(worker);
+        attach(worker);
+      });
+      await this.ask("Target.setAutoAttach", { autoAttach: true, waitForDebuggerOnStart: false, flatten: true }, to).catch(() => {});
+    };
+    await attach(sessionId);
+    await sleep(1000);
+    const all = [...workers];
+    const each = (method) => Promise.all(all.map((worker) => this.ask(`Profiler.${method}`, {}, worker)));
+    await each("enable");
+    await each("start");
+    await sleep(1000 * seconds);
+    return (await each("stop")).map(({ profile: { nodes } }) => {
+      const samples = new Map();
+      let count = 0;
+      for (const { callFrame, hitCount } of nodes) {
+        samples.set(callFrame.functionName, (samples.get(callFrame.functionName) ?? 0) + hitCount);
+        count += hitCount;
+      }
+      return [...samples].map(([name, hits]) => [name, hits / count]).sort((a, b) => b[1] - a[1]);
+    });
+  }
   async page(url, width, height) {
     const { targetId } = await this.ask("Target.createTarget", { url: "about:blank" });
     const { sessionId } = await this.ask("Target.attachToTarget", { targetId, flatten: true });
@@ -71,6 +99,7 @@ export class DevTools {
         await ask("DOM.setFileInputFiles", { nodeId, files: [file] });
       },
       requests: async () => requests,
+      profile: (seconds) => this.profile(sessionId, seconds),
       close: () => this.ask("Target.closeTarget", { targetId }),
     };
     await page.goTo(url);

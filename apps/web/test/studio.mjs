@@ -1,10 +1,11 @@
 // The studio in headless Chromium or Firefox, from a film to a playing avatar:
 //
 //   node studio.mjs --cosplat PROGRAM --chromium|--firefox PROGRAM [--film FILE] [--quality draft] [--pictures FOLDER]
-//                   [--dist FOLDER] [--out avatar.glb] [--frames FOLDER] [--times N]
+//                   [--dist FOLDER] [--out avatar.glb] [--frames FOLDER] [--times N] [--profile SECONDS]
 //
 // With --film only that, and how long each part took; --frames keeps its frames, for `cosplat avatar`;
-// --times: so many avatars in a row, in one tab, and the memory after each. Otherwise with films of the made head: as a file,
+// --times: so many avatars in a row, in one tab, and the memory after each; --profile (Chromium): where the time of so many
+// seconds of the training goes. Otherwise with films of the made head: as a file,
 // by the camera (Chromium's takes a film), in a tab that is closed and goes on, without a network, and with what goes wrong.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -19,7 +20,7 @@ import { DevTools, sleep, until } from "./devtools.mjs";
 import { Firefox } from "./firefox.mjs";
 
 const { values } = parseArgs({
-  options: Object.fromEntries(["cosplat", "chromium", "firefox", "film", "quality", "pictures", "dist", "out", "frames", "times"].map((name) => [name, { type: "string" }])),
+  options: Object.fromEntries(["cosplat", "chromium", "firefox", "film", "quality", "pictures", "dist", "out", "frames", "times", "profile"].map((name) => [name, { type: "string" }])),
 });
 const here = import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname);
 const web = path.join(here, "..");
@@ -91,6 +92,13 @@ async function made(page, name) {
       last = title;
       await page.picture(`${name}-${title.split(" ")[0].toLowerCase()}`);
       if (values.frames && title === "Looking for the head") await save(page, "/frames/", (file) => path.join(values.frames, file));
+    }
+    if (values.profile && /^Training: [1-9]\d\d/.test(now)) {
+      for (const worker of await page.profile(Number(values.profile))) {
+        console.log("a worker");
+        for (const [name, share] of worker.slice(0, 40)) console.log(`  ${(100 * share).toFixed(1).padStart(5)} %  ${name.slice(0, 110)}`);
+      }
+      values.profile = "";
     }
     if (!shown && (await page.plays())) {
       shown = true;
