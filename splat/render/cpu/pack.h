@@ -40,9 +40,13 @@ HWY_INLINE bool AnyTrue(const PackMask& m) { return !hn::AllFalse(Lanes(), m.m);
 
 // Bit l corresponds to lane l.
 HWY_INLINE uint32_t MaskBits(const PackMask& m) {
+#if HWY_TARGET == HWY_WASM
+  return wasm_i32x4_bitmask(m.m.raw);  // StoreMaskBits goes through memory
+#else
   uint8_t bytes[8] = {};  // StoreMaskBits needs at least 8 writable bytes
   hn::StoreMaskBits(Lanes(), m.m, bytes);
   return uint32_t(bytes[0]) | uint32_t(bytes[1]) << 8;
+#endif
 }
 
 HWY_INLINE Pack operator+(const Pack& a, const Pack& b) { return Pack(hn::Add(a.v, b.v)); }

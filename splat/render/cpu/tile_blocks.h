@@ -69,6 +69,11 @@ struct SplatOnTile {
     const Pack x(s.x), y(s.y), reject(s.reject_below), extent(float(kBlockSize - 1));
     reached = 0;
     for (int b = 0; b < kBlocks; b += int(kLanes)) {
+      // Short packs lie within a row of blocks; most splats reach one or two of the four.
+      if constexpr (kLanes <= kBlocksPerRow) {
+        const float above = grid.block_y[b] - s.y;
+        if (above > s.half_y || above + float(kBlockSize - 1) < -s.half_y) continue;
+      }
       const Pack left = LoadPack(grid.block_x + b) - x, top = LoadPack(grid.block_y + b) - y;
       const PowerExpansion<Pack> at = ExpandAt(form, left, top);
       StorePack(left, dx + b);
