@@ -202,7 +202,7 @@ void TrainAvatar(AvatarOptions o, const std::string& config) {
                 subject.has_bust() ? ", with a bust" : "",
                 NameOf(device).c_str());
   if (!o.quiet && subject.virtual_view_count() > 0)
-    std::printf("%zu more views, made by the mesh, are from where no camera was\n",
+    std::printf("%zu more views, made by the mesh, show what no camera did\n",
                 subject.virtual_view_count());
   if (!o.quiet && !subject.IsMasked())
     std::printf(

@@ -212,7 +212,6 @@ class AvatarSubject : public Subject {
   MeshInFrame MeshIn(size_t frame);
   void AddVirtualViews();
   void AddWideViews(const PaintedMesh& painted, size_t count, std::vector<TrainFrame>& views);
-  void FindFacesBeyond(const PaintedMesh& painted);
   Appearance CurrentAppearance() const;
   void BuildMesh();
   void SetFaceRates();

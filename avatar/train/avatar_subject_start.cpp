@@ -202,7 +202,6 @@ void AvatarSubject::AddVirtualViews() {
   for (size_t i = 0; i < real; i += 1 + (real - 1) / kPaintFrames) learned.push_back(MeshIn(i));
   const PaintedMesh painted(flame_, subject_.mesh, learned, kEnlarged * subject_.unit);
   filmed_.guessed = painted.GuessedShare();
-  FindFacesBeyond(painted);
   const std::vector<VirtualView> views = ChooseVirtualViews(heads, count);
   for (const VirtualView& view : views) sources.push_back(MeshIn(view.source));
   std::vector<TrainFrame> seen(views.size());
@@ -219,26 +218,35 @@ MeshInFrame AvatarSubject::MeshIn(size_t i) {
   return {&frames_[i], track_.VerticesOf(i)};
 }
 
+// Also finds what is far beyond all frames, however few show it.
 void AvatarSubject::AddWideViews(const PaintedMesh& painted,
                                  size_t count,
                                  std::vector<TrainFrame>& views) {
   std::vector<BodyInFrame> bodies;
-  for (size_t i = 0; i < frames_.size(); ++i) bodies.push_back(painted.BodyIn(MeshIn(i)));
-  const bool is_cut = std::any_of(bodies.begin(), bodies.end(), [](const BodyInFrame& body) {
-    return ReachesBorder(*body.frame);
-  });
-  const FilmedBox box = FilmedBoxOf(bodies);
-  for (size_t k = 0; is_cut && k < count; ++k) {
-    const size_t source = k * bodies.size() / count;
-    views.push_back(ToWideView(bodies[source], box, painted.scale()));
-    virtual_sources_.push_back(source);
+  std::vector<size_t> sources;
+  std::vector<uint8_t> in_frame(surface_.vertex_count(), 0);
+  bool is_cut = false;
+  for (size_t i = 0; i < frames_.size(); ++i) {
+    const Camera& camera = frames_[i].camera;
+    const MeshInFrame seen = MeshIn(i);
+    for (size_t v = 0; v < in_frame.size(); ++v)
+      in_frame[v] |= InFrameShare(camera, Project(camera, seen.Vertex(v)), painted.scale()) > 0;
+    const BodyInFrame body = painted.BodyIn(seen);
+    if (!(Project(camera, body.anchor).depth > camera.near_plane)) continue;
+    bodies.push_back(body);
+    sources.push_back(i);
+    is_cut = is_cut || ReachesBorder(frames_[i]);
   }
-}
-
-void AvatarSubject::FindFacesBeyond(const PaintedMesh& painted) {
   for (const std::array<int32_t, 3>& f : subject_.mesh.faces)
-    beyond_frames_.push_back(std::all_of(
-        f.begin(), f.end(), [&](int32_t v) { return painted.IsBeyondFrames(size_t(v)); }));
+    beyond_frames_.push_back(
+        std::none_of(f.begin(), f.end(), [&](int32_t v) { return in_frame[size_t(v)] != 0; }));
+  if (!is_cut) return;
+  const FilmedBox box = FilmedBoxOf(bodies);
+  for (size_t k = 0; k < count; ++k) {
+    const size_t of = k * bodies.size() / count;
+    views.push_back(ToWideView(bodies[of], box, painted.scale()));
+    virtual_sources_.push_back(sources[of]);
+  }
 }
 
 void AvatarSubject::BuildMesh() {
@@ -274,9 +282,12 @@ Gaussians AvatarSubject::InitialGaussians(int degree, Basis basis, uint64_t seed
   Embedding embedding;
   if (released) embedding.released = ReleasedRule{subject_.unit};
   const size_t count = settings_.initial_gaussians;
+  // A track that is wrong may see nothing of the head at all.
+  const bool leaves_out =
+      std::find(beyond_frames_.begin(), beyond_frames_.end(), false) != beyond_frames_.end();
   for (const SurfacePoint& p : released ? SampleFaces(subject_.mesh, count, rng)
                                         : SampleSurface(subject_.mesh, count, rng)) {
-    if (!beyond_frames_.empty() && beyond_frames_[size_t(p.triangle)]) continue;
+    if (leaves_out && beyond_frames_[size_t(p.triangle)]) continue;
     embedding.triangle.push_back(p.triangle);
     embedding.barycentric.push_back(p.barycentric);
   }

@@ -38,8 +38,6 @@ class PaintedMesh {
   math::Vec3<float> ColorAt(const MeshPixel& at) const { return Mixed(colors_, at); }
   // 1 where some frame's image has the point in it, falling to 0 beyond where all of them end.
   float InFrameAt(const MeshPixel& at) const { return Mixed(in_frame_, at); }
-  // Whether a vertex is so far beyond all frames that nothing of it is to be seen.
-  bool IsBeyondFrames(size_t vertex) const { return in_frame_[vertex] == 0; }
   // About the middle of the neck.
   BodyInFrame BodyIn(const MeshInFrame& seen) const;
   // [height, width] 255 outside of the drawn mesh, where the person may be nevertheless: within the

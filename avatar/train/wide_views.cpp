@@ -62,10 +62,11 @@ FilmedBox FilmedBoxOf(const std::vector<BodyInFrame>& frames) {
   for (const BodyInFrame& seen : frames) {
     const Camera& c = seen.frame->camera;
     const ImagePoint at = Project(c, seen.anchor);
-    box.left = std::min(box.left, -at.x / c.fx);
-    box.right = std::max(box.right, (float(c.width) - at.x) / c.fx);
-    box.top = std::min(box.top, -at.y / c.fy);
-    box.bottom = std::max(box.bottom, (float(c.height) - at.y) / c.fy);
+    const float per_px_x = at.depth / c.fx, per_px_y = at.depth / c.fy;
+    box.left = std::min(box.left, -at.x * per_px_x);
+    box.right = std::max(box.right, (float(c.width) - at.x) * per_px_x);
+    box.top = std::min(box.top, -at.y * per_px_y);
+    box.bottom = std::max(box.bottom, (float(c.height) - at.y) * per_px_y);
   }
   return box;
 }
@@ -79,11 +80,16 @@ bool ReachesBorder(const TrainFrame& frame) {
   return float(opaque) > kAtBorder * float(2 * (image.width + image.height));
 }
 
-TrainFrame ToWideView(const BodyInFrame& source, const FilmedBox& box, float scale) {
+TrainFrame ToWideView(const BodyInFrame& source, const FilmedBox& metres, float scale) {
   const Camera& camera = source.frame->camera;
   const Image8& image = source.frame->target;
   const ImagePoint anchor = Project(camera, source.anchor);
-  const float fade = kFade * scale / anchor.depth;  // in units of the depth, as the box
+  // Lengths from here on are in units of the body's depth.
+  const float per_metre = 1 / anchor.depth, fade = kFade * scale * per_metre;
+  const FilmedBox box{metres.left * per_metre,
+                      metres.right * per_metre,
+                      metres.top * per_metre,
+                      metres.bottom * per_metre};
   TrainFrame wide;
   wide.camera = camera;
   Camera& c = wide.camera;

@@ -19,16 +19,16 @@ namespace cosplat {
 // the template's.
 float InFrameShare(const Camera& camera, const ImagePoint& at, float scale);
 
-// What the images of all frames show between them, around a point of the body (`anchor`, metres,
-// world): in units of its depth, to the right and downwards.
-struct FilmedBox {
-  float left = 0, right = 0, top = 0, bottom = 0;
-};
 struct BodyInFrame {
   const TrainFrame* frame = nullptr;  // with alpha
   math::Vec3<float> anchor;           // metres, world: where the body is that borders cut off
 };
-// frames: at least one.
+// What the images of all frames show between them, around the body and at its depth: metres, to the
+// right and downwards.
+struct FilmedBox {
+  float left = 0, right = 0, top = 0, bottom = 0;
+};
+// frames: at least one; the bodies are before their cameras.
 FilmedBox FilmedBoxOf(const std::vector<BodyInFrame>& frames);
 
 // Whether the person reaches the border of some frame.

@@ -65,6 +65,22 @@ inline TrackedVideo MakeSmallVideo(size_t frames, int resolution) {
   return video;
 }
 
+// Of the made head at rest.
+inline TrackedVideo VideoOf(std::vector<TrainFrame> frames) {
+  TrackedVideo video;
+  video.source = "made";
+  video.shape.assign(size_t(MadeHead().model.shape_count), 0.0f);
+  for (TrainFrame& made : frames) {
+    TrackedFrame frame;
+    frame.timestep = int(video.train.size());
+    frame.name = std::to_string(frame.timestep);
+    frame.camera = made.camera;
+    frame.image = std::make_shared<const Image8>(std::move(made.target));
+    video.train.push_back(std::move(frame));
+  }
+  return video;
+}
+
 // 3DGS's schedule in proportion, without resets of opacity, and no more than `max_count`.
 inline TrainSettings ShortRun(int iterations, size_t max_count) {
   TrainSettings s;

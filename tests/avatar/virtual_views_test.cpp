@@ -247,18 +247,9 @@ TEST(VirtualViews, AreNoneWithoutMasks) {
 
 // Trained on views from the front: from aside far better with virtual views.
 TEST(VirtualViews, KeepTheHeadTogetherFromAside) {
-  TrackedVideo video;
-  video.source = "made";
-  video.shape.assign(size_t(Model().shape_count), 0.0f);
-  for (int f = 0; f < 12; ++f) {
-    TrackedFrame frame;
-    frame.name = std::to_string(f);
-    frame.timestep = f;
-    TrainFrame made = FrameAt(float(f % 5) - 2);
-    frame.camera = made.camera;
-    frame.image = std::make_shared<const Image8>(std::move(made.target));
-    video.train.push_back(std::move(frame));
-  }
+  std::vector<TrainFrame> frames;
+  for (int f = 0; f < 12; ++f) frames.push_back(FrameAt(float(f % 5) - 2));
+  const TrackedVideo video = VideoOf(std::move(frames));
   std::array<double, 2> from_aside{}, from_the_front{};
   for (const bool with : {false, true}) {
     AvatarSettings settings = SmallAvatar(1500);

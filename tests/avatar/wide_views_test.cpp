@@ -55,14 +55,20 @@ TEST(WideViews, TheBoxHoldsAllFramesAroundTheBody) {
   const math::Vec3<float> lower = middle - math::Vec3<float>{0, 0.05f, 0};
   const FilmedBox one = FilmedBoxOf({{&frame, middle}});
   const FilmedBox both = FilmedBoxOf({{&frame, middle}, {&frame, lower}});
-  EXPECT_NEAR(one.right - one.left, float(kSide) / frame.camera.fx, 1e-5f);
+  EXPECT_NEAR(one.right - one.left, float(kSide) * kDistance / frame.camera.fx, 1e-5f);
   EXPECT_NEAR(one.bottom, 0, 1e-5f);
   // Where the body is lower, the frame shows more above it.
-  EXPECT_NEAR(both.top, one.top - 0.05f / kDistance, 1e-5f);
+  EXPECT_NEAR(both.top, one.top - 0.05f, 1e-5f);
   EXPECT_NEAR(both.bottom, one.bottom, 1e-5f);
   // The body may be outside of the image.
   const FilmedBox outside = FilmedBoxOf({{&frame, middle - math::Vec3<float>{0, 0.5f, 0}}});
-  EXPECT_NEAR(outside.bottom, -0.5f / kDistance, 1e-5f);
+  EXPECT_NEAR(outside.bottom, -0.5f, 1e-5f);
+  // The same lens shows twice as much of what is twice as far.
+  TrainFrame far = frame;
+  far.camera.translation[2] += kDistance;
+  const FilmedBox from_far = FilmedBoxOf({{&frame, middle}, {&far, middle}});
+  EXPECT_NEAR(from_far.top, 2 * one.top, 1e-5f);
+  EXPECT_NEAR(from_far.right, 2 * one.right, 1e-5f);
 }
 
 TEST(WideViews, AreOfFramesWhoseBorderCutsThePersonOff) {
@@ -116,20 +122,36 @@ TEST(WideViews, ContinueTheBorderAndFadeOut) {
   EXPECT_GT(empty, 500u);
 }
 
+size_t FirstGaussians(std::vector<TrainFrame> frames) {
+  AvatarSettings settings = SmallAvatar(1500);
+  settings.virtual_views = 0.2f;
+  AvatarSubject subject(Model(), VideoOf(std::move(frames)), settings);
+  return subject.InitialGaussians(0, Basis::kDcsh, 1).size();
+}
+
+// Nothing begins where no frame shows the head, but where a single one does, and where a wrong
+// track sees nothing of it.
+TEST(WideViews, NothingBeginsBeyondAllImages) {
+  const TrainFrame whole = FrameOf(Whole()), upper = FrameOf(UpperHalf());
+  std::vector<TrainFrame> frames(50, upper);
+  EXPECT_LT(FirstGaussians(frames), 1400u);
+  EXPECT_EQ(FirstGaussians(std::vector<TrainFrame>(3, whole)), 1500u);
+  frames[1] = whole;
+  EXPECT_EQ(FirstGaussians(frames), 1500u);
+  TrainFrame beside = whole;
+  beside.camera.cx += 100 * kSide;
+  EXPECT_EQ(FirstGaussians({beside, beside}), 1500u);
+  beside.camera = whole.camera;
+  beside.camera.translation[2] -= 2 * kDistance;  // behind the camera
+  EXPECT_EQ(FirstGaussians({beside, beside}), 1500u);
+  EXPECT_EQ(FirstGaussians({whole, beside, whole}), 1500u);
+}
+
 // Trained on images that end at half of the head's height: nothing is far below them.
 TEST(WideViews, LeaveNothingFarBeyondTheImages) {
-  TrackedVideo video;
-  video.source = "made";
-  video.shape.assign(size_t(Model().shape_count), 0.0f);
-  for (int f = 0; f < 8; ++f) {
-    TrackedFrame frame;
-    frame.name = std::to_string(f);
-    frame.timestep = f;
-    TrainFrame made = FrameOf(UpperHalf(0.02f * float(f % 5 - 2)));
-    frame.camera = made.camera;
-    frame.image = std::make_shared<const Image8>(std::move(made.target));
-    video.train.push_back(std::move(frame));
-  }
+  std::vector<TrainFrame> frames;
+  for (int f = 0; f < 8; ++f) frames.push_back(FrameOf(UpperHalf(0.02f * float(f % 5 - 2))));
+  const TrackedVideo video = VideoOf(std::move(frames));
   std::array<double, 2> below{}, within{}, count{};
   for (const bool with : {false, true}) {
     AvatarSettings settings = SmallAvatar(1500);
