@@ -83,6 +83,35 @@ Table TableOf(const BlendshapeSamples& samples, const FlameModel& model) {
   return table;
 }
 
+// Where on the face a score or an output is, by its name.
+enum class Region { kAny, kEyes, kMouth };
+
+Region RegionOf(const std::string& name) {
+  const std::string normal = NormalName(name);
+  const auto begins = [&](const char* with) { return normal.starts_with(with); };
+  if (begins("eye") || begins("brow")) return Region::kEyes;
+  if (begins("jaw") || begins("mouth") || begins("cheek") || begins("nose")) return Region::kMouth;
+  return Region::kAny;
+}
+
+// [C, E + kMappedTurns], 1 where an output may follow a score: those of its own region, or all if
+// none of them varies. What else changes at the same time is the video's chance.
+MatrixXd Followed(const std::vector<std::string>& scores, const FlameModel& model) {
+  std::vector<Region> outputs(size_t(model.expression_count), Region::kAny);
+  for (size_t e = 0; e < model.expression_names.size(); ++e)
+    outputs[e] = RegionOf(model.expression_names[e]);
+  if (model.has_eyelids) std::fill_n(outputs.rbegin(), 2, Region::kEyes);
+  outputs.insert(outputs.end(), 3, Region::kMouth);  // the jaw's turn
+  outputs.insert(outputs.end(), kMappedTurns - 3, Region::kEyes);
+  MatrixXd followed(scores.size(), outputs.size());
+  for (size_t o = 0; o < outputs.size(); ++o) {
+    for (size_t c = 0; c < scores.size(); ++c)
+      followed(long(c), long(o)) = outputs[o] == Region::kAny || RegionOf(scores[c]) == outputs[o];
+    if (followed.col(long(o)).isZero()) followed.col(long(o)).setOnes();
+  }
+  return followed;
+}
+
 // Rows of a table that a fit uses: all but [begin, end).
 struct Fold {
   long begin = 0, end = 0;
@@ -107,7 +136,8 @@ MatrixXd Without(const MatrixXd& rows, const Fold& fold) {
 // once.
 class Regression {
  public:
-  Regression(const Table& table, const Fold& fold) : names_(table.names) {
+  Regression(const Table& table, const MatrixXd& followed, const Fold& fold)
+      : names_(table.names), followed_(followed) {
     MatrixXd x = Without(table.scores, fold), y = Without(table.outputs, fold);
     least_ = x.colwise().minCoeff();
     most_ = x.colwise().maxCoeff();
@@ -124,9 +154,13 @@ class Regression {
   // min |y - x B|^2 + strength |B|^2, in standardised scores. Shrinking towards the general map
   // instead of zero was tried: on a real head it predicts held-out frames no better.
   BlendshapeMap Fit(double strength) const {
-    MatrixXd left = xx_;
-    left.diagonal().array() += strength;
-    MatrixXd b = left.ldlt().solve(xy_);
+    MatrixXd b(xy_.rows(), xy_.cols());
+    for (long o = 0; o < b.cols(); ++o) {
+      const auto followed = followed_.col(o).asDiagonal();
+      MatrixXd left = followed * xx_ * followed;
+      left.diagonal().array() += strength;
+      b.col(o) = left.ldlt().solve(followed * xy_.col(o));
+    }
     b = b.array().colwise() / scale_.transpose().array();
     const RowVectorXd offset = y_mean_ - x_mean_ * b;
     BlendshapeMap map;
@@ -144,6 +178,7 @@ class Regression {
 
  private:
   const std::vector<std::string>& names_;
+  const MatrixXd& followed_;
   RowVectorXd least_, most_, x_mean_, y_mean_, scale_;
   MatrixXd xx_, xy_;
 };
@@ -314,10 +349,11 @@ BlendshapeFit FitBlendshapes(const FlamePoser<float>& poser, const BlendshapeSam
   const Table table = TableOf(samples, poser.model());
   if (table.names.empty())
     throw Error("blendshape scores", "none of them varies in the video's frames");
+  const MatrixXd followed = Followed(table.names, poser.model());
   const std::vector<Fold> folds = FoldsOf(samples.size());
   std::vector<Regression> regressions;
-  for (const Fold& fold : folds) regressions.emplace_back(table, fold);
-  const Regression all(table, {});
+  for (const Fold& fold : folds) regressions.emplace_back(table, followed, fold);
+  const Regression all(table, followed, {});
   const VertexMetric metric(poser, all.mean_face());
   BlendshapeFit fit;
   fit.strength = BestStrength(table, folds, regressions, metric);

@@ -148,6 +148,24 @@ TEST(BlendshapeFit, ScoresThatDoNotVaryDoWhatTheyDoOnAnyHead) {
   EXPECT_EQ(ProblemOf(fit.map), "");
 }
 
+// A track whose jaw opens with the eyes' lids, by chance or by a mistake.
+TEST(BlendshapeFit, JawAndEyesTurnByTheirOwnScores) {
+  Performance performance(60, 1);
+  for (size_t i = 0; i < 60; ++i)
+    performance.samples.faces[i].pose[2][0] += 0.2f * performance.samples.scores[i][1];
+  const BlendshapeFit fit = FitBlendshapes(HeadPoser(), performance.samples);
+  std::vector<float> scores(kScoreNames.size(), 0.4f);
+  const FlameParams rest = Driven(fit.map, scores);
+  scores[1] = scores[2] = scores[3] = scores[6] = 0.8f;  // eyes and brows
+  const FlameParams looks = Driven(fit.map, scores);
+  EXPECT_NEAR(looks.pose[2][0], rest.pose[2][0], 1e-6f);
+  EXPECT_NEAR(looks.pose[3][1], rest.pose[3][1] + 0.3f * 0.4f, 0.02f);
+  scores[0] = scores[4] = scores[5] = scores[7] = 0.8f;  // jaw and mouth
+  const FlameParams talks = Driven(fit.map, scores);
+  EXPECT_NEAR(talks.pose[3][1], looks.pose[3][1], 1e-6f);
+  EXPECT_NEAR(talks.pose[2][0], looks.pose[2][0] + 0.3f * 0.4f, 0.05f);
+}
+
 TEST(BlendshapeFit, IsTheSameEachTime) {
   const Performance performance(80, 1);
   const BlendshapeFit a = FitBlendshapes(HeadPoser(), performance.samples),
