@@ -117,6 +117,22 @@ TEST(Track, MakesAVideoThatAvatarsTrainOn) {
   EXPECT_EQ(trained.code, 0) << trained.err;
 }
 
+TEST(Track, SaysThatTheFrameCutsTheHeadOff) {
+  Filmed filmed;
+  const std::string said = "for a better avatar: The frame cuts the head off in 24 of 24 frames";
+  const CommandResult whole = filmed.Track();
+  EXPECT_EQ(whole.code, 0) << whole.err;
+  EXPECT_EQ(whole.out.find("cuts the head off"), std::string::npos) << whole.out;
+  filmed.Change([](LandmarkVideo& video) {
+    for (LandmarkFrame& frame : video.frames)
+      for (auto& [x, y] : frame.faces[0].points) y -= 40;
+  });
+  std::filesystem::remove_all(filmed.track);
+  const CommandResult cut = filmed.Track();
+  EXPECT_EQ(cut.code, 0) << cut.err;
+  EXPECT_NE(cut.out.find(said), std::string::npos) << cut.out;
+}
+
 // Landmarks of a square of the frames: the lens is off its middle, and overlays are whole frames.
 TEST(Track, TracksASquareOfTheFrames) {
   Filmed filmed;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "avatar/surface/silhouette.h"
 #include "flame/pose.h"
 #include "splat/base/text.h"
 
@@ -51,6 +52,32 @@ void AdviseTurns(const TrackRun& run, std::vector<std::string>& advice) {
   if (nod.high - nod.low < kMinNod)
     advice.push_back(Format("The head nods by {:.0f} degrees in all: look up and down, too.",
                             nod.high - nod.low));
+}
+
+// What only the head moves, without hair: as the whole frame's camera sees it.
+bool IsCutOff(const FlamePoser<float>& poser, const FlameParams& params, const Camera& camera) {
+  constexpr float kBody = 0.01f;  // the root's share
+  std::vector<float> vertices;
+  poser.Forward(FlamePoser<float>::ParametersOf(params), vertices);
+  for (size_t v = 0; v < size_t(poser.model().own_vertex_count()); ++v) {
+    if (poser.model().skinning_weights[kFlameJoints * v] > kBody) continue;
+    const ImagePoint p =
+        Project(camera, {vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2]});
+    if (p.x < 0 || p.y < 0 || p.x > float(camera.width) || p.y > float(camera.height)) return true;
+  }
+  return false;
+}
+
+void AdviseRoom(const TrackRun& run, std::vector<std::string>& advice) {
+  const FlamePoser<float> poser(run.model, run.fit.shape);
+  const Camera camera = run.whole_camera();
+  const auto cut = size_t(std::count_if(run.kept.begin(), run.kept.end(), [&](size_t f) {
+    return IsCutOff(poser, run.fit.frames[f]->params, camera);
+  }));
+  if (double(cut) > kManyFrames * double(run.kept.size()))
+    advice.push_back(Format("The frame cuts the head off in {} of {} frames: leave room around it.",
+                            cut,
+                            run.kept.size()));
 }
 
 // The scores of the faces that were fitted; false if they have none of these.
@@ -127,6 +154,7 @@ std::vector<std::string> AdviceFor(const TrackRun& run,
         Format("From frame {} on the face looks different: is it another person, shot or "
                "light? An avatar is of one: leave the others out.",
                run.marks.frames[run.kept[i]].name));
+  AdviseRoom(run, advice);
   AdviseTurns(run, advice);
   AdviseExpressions(run, advice);
   AdviseFrames(run, sharpness, advice);
