@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdio>
 #include <numbers>
 
 namespace cosplat::hosts {
@@ -9,6 +10,7 @@ namespace cosplat::hosts {
 namespace {
 
 float Radians(double degrees) { return float(degrees * std::numbers::pi / 180); }
+double Degrees(float radians) { return double(radians) * 180 / std::numbers::pi; }
 
 }  // namespace
 
@@ -66,6 +68,23 @@ cosplat_health AvatarView::Health() {
   health.struct_size = sizeof(health);
   Check(cosplat_get_health(avatar_.get(), &health));
   return health;
+}
+
+std::string AvatarView::Status() {
+  const cosplat_health health = Health();
+  const bool beyond = health.beyond_film > beyond_film_;
+  beyond_film_ = health.beyond_film;
+  if (*health.drive_problem != 0 || !beyond) return health.drive_problem;
+  char line[160];
+  std::snprintf(line,
+                sizeof(line),
+                "A guess: the head was filmed from %.0f to %.0f degrees to its left, and from %.0f "
+                "to %.0f upwards",
+                Degrees(info_.filmed_yaw[0]),
+                Degrees(info_.filmed_yaw[1]),
+                Degrees(info_.filmed_pitch[0]),
+                Degrees(info_.filmed_pitch[1]));
+  return line;
 }
 
 void AvatarView::Check(cosplat_status status) const {

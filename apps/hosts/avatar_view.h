@@ -66,6 +66,10 @@ class AvatarView {
   // State of the drive at that time. Its strings are valid until the next call.
   cosplat_health Health();
 
+  // One line for a user interface: the drive's problem, or that pictures since the last call show
+  // the head from where it was not filmed; "" if all is well.
+  std::string Status();
+
   // Draws into picture.pixels. `alpha` (COSPLAT_ALPHA_...) applies to a transparent background; the
   // alpha mode and background in `picture` are ignored.
   void Draw(const Orbit& orbit,
@@ -85,7 +89,8 @@ class AvatarView {
   std::unique_ptr<cosplat_avatar, Closer> avatar_;
   bool driven_ = false;
   cosplat_info info_{};
-  Orbit orbit_;  // of the current camera
+  uint64_t beyond_film_ = 0;  // pictures, at the last Status
+  Orbit orbit_;               // of the current camera
   uint32_t width_ = 0, height_ = 0;
 };
 

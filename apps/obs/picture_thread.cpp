@@ -68,7 +68,7 @@ void PictureThread::Run() {
     due_ = std::max(due_ + period, Clock::now());
     try {
       Draw(settings, picture);
-      Publish(picture, view_->Health().drive_problem);
+      Publish(picture, view_->Status());
     } catch (const std::exception& error) {
       view_.reset();
       Fail(error.what());

@@ -162,6 +162,32 @@ TEST_F(ObsSource, SaysWhatIsWrongAndRecovers) {
   EXPECT_LE(obs->WaitFor(Draw(OnBlack())), 1);
 }
 
+TEST_F(ObsSource, SaysThatTheHeadWasNotFilmedFromThere) {
+  AvatarModel filmed = PluginFiles::Get().avatar;
+  filmed.filmed = FilmedFrom{{-0.1f, 0.3f}, {-0.2f, 0.2f}, {}};
+  const DataPointer settings = Settings();
+  obs_data_set_string(
+      settings.get(), "avatar", PluginFiles::Get().Write("filmed.glb", filmed).c_str());
+  const SourcePointer source = Add(settings);
+  const auto status = [&] {
+    obs_properties_t* properties = obs_source_properties(source.get());
+    obs_property_t* line = obs_properties_get(properties, "status");
+    const std::string text = line ? obs_property_description(line) : "";
+    obs_properties_destroy(properties);
+    return text;
+  };
+  EXPECT_LE(obs->WaitFor(Draw(OnBlack())), 1);
+  EXPECT_EQ(status(), "");
+  obs_data_set_double(settings.get(), "azimuth", 90);
+  obs_source_update(source.get(), settings.get());
+  Wanted aside = OnBlack();
+  aside.azimuth = 90;
+  EXPECT_LE(obs->WaitFor(Draw(aside)), 1);
+  EXPECT_NE(status().find("filmed from -6 to 17 degrees to its left, and from -11 to 11 upwards"),
+            std::string::npos)
+      << status();
+}
+
 TEST_F(ObsSource, OfAnotherSizeIsAsLargeOnTheCanvas) {
   const DataPointer settings = Settings();
   const SourcePointer source = Add(settings);
