@@ -166,6 +166,21 @@ TEST(BlendshapeFit, JawAndEyesTurnByTheirOwnScores) {
   EXPECT_NEAR(talks.pose[2][0], looks.pose[2][0] + 0.3f * 0.4f, 0.05f);
 }
 
+// A tracker of eyes alone still moves the jaw, as far as they say anything of it.
+TEST(BlendshapeFit, WithoutScoresOfItsOwnTheJawFollowsTheOthers) {
+  Performance performance(60, 1, 0);
+  for (size_t i = 0; i < 60; ++i) {
+    std::vector<float>& scores = performance.samples.scores[i];
+    for (const size_t mouth : {0, 4, 5, 7}) scores[mouth] = 0.4f;
+    performance.samples.faces[i].pose[2][0] = 0.2f * scores[1];
+  }
+  const BlendshapeFit fit = FitBlendshapes(HeadPoser(), performance.samples);
+  std::vector<float> scores(kScoreNames.size(), 0.4f);
+  const FlameParams rest = Driven(fit.map, scores);
+  scores[1] = 0.8f;  // eyeBlinkLeft
+  EXPECT_NEAR(Driven(fit.map, scores).pose[2][0], rest.pose[2][0] + 0.2f * 0.4f, 0.02f);
+}
+
 TEST(BlendshapeFit, IsTheSameEachTime) {
   const Performance performance(80, 1);
   const BlendshapeFit a = FitBlendshapes(HeadPoser(), performance.samples),
