@@ -94,8 +94,8 @@ Region RegionOf(const std::string& name) {
   return Region::kAny;
 }
 
-// [C, E + kMappedTurns], 1 where an output may follow a score: those of its own region, or all if
-// none of them varies. What else changes at the same time is the video's chance.
+// [C, E + kMappedTurns], 1 where an output may follow a score: one of its own region or of no known
+// one, or any if none of these varies. What else changes at the same time is the video's chance.
 MatrixXd Followed(const std::vector<std::string>& scores, const FlameModel& model) {
   std::vector<Region> outputs(size_t(model.expression_count), Region::kAny);
   for (size_t e = 0; e < model.expression_names.size(); ++e)
@@ -105,8 +105,11 @@ MatrixXd Followed(const std::vector<std::string>& scores, const FlameModel& mode
   outputs.insert(outputs.end(), kMappedTurns - 3, Region::kEyes);
   MatrixXd followed(scores.size(), outputs.size());
   for (size_t o = 0; o < outputs.size(); ++o) {
-    for (size_t c = 0; c < scores.size(); ++c)
-      followed(long(c), long(o)) = outputs[o] == Region::kAny || RegionOf(scores[c]) == outputs[o];
+    for (size_t c = 0; c < scores.size(); ++c) {
+      const Region score = RegionOf(scores[c]);
+      followed(long(c), long(o)) =
+          outputs[o] == Region::kAny || score == Region::kAny || score == outputs[o];
+    }
     if (followed.col(long(o)).isZero()) followed.col(long(o)).setOnes();
   }
   return followed;

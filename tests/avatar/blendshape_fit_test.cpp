@@ -166,6 +166,21 @@ TEST(BlendshapeFit, JawAndEyesTurnByTheirOwnScores) {
   EXPECT_NEAR(talks.pose[2][0], looks.pose[2][0] + 0.3f * 0.4f, 0.05f);
 }
 
+// Other trackers' names say nothing of the part: VRM's beside ARKit's.
+TEST(BlendshapeFit, ScoresOfUnknownPartsMayMoveAll) {
+  Performance performance(60, 1, 0);
+  performance.samples.names[0] = "A";
+  performance.samples.names[1] = "Blink_L";
+  const BlendshapeFit fit = FitBlendshapes(HeadPoser(), performance.samples);
+  BlendshapeScores scores{{"A", 0.4f}, {"Blink_L", 0.4f}};
+  FlameParams rest, moved;
+  ApplyBlendshapes(fit.map, scores, rest);
+  scores["A"] = scores["Blink_L"] = 0.8f;
+  ApplyBlendshapes(fit.map, scores, moved);
+  EXPECT_NEAR(moved.pose[2][0], rest.pose[2][0] + 0.3f * 0.4f, 0.02f);
+  EXPECT_NEAR(*(moved.expression.end() - 2), *(rest.expression.end() - 2) + 0.9f * 0.4f, 0.06f);
+}
+
 // A tracker of eyes alone still moves the jaw, as far as they say anything of it.
 TEST(BlendshapeFit, WithoutScoresOfItsOwnTheJawFollowsTheOthers) {
   Performance performance(60, 1, 0);
