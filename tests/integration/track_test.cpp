@@ -117,9 +117,9 @@ TEST(Track, MakesAVideoThatAvatarsTrainOn) {
   EXPECT_EQ(trained.code, 0) << trained.err;
 }
 
-TEST(Track, SaysThatTheFrameCutsTheHeadOff) {
+TEST(Track, SaysThatTheImageCutsTheHeadOff) {
   Filmed filmed;
-  const std::string said = "for a better avatar: The frame cuts the head off in 24 of 24 frames";
+  const std::string said = "for a better avatar: The image cuts the head off in 24 of 24 frames";
   const CommandResult whole = filmed.Track();
   EXPECT_EQ(whole.code, 0) << whole.err;
   EXPECT_EQ(whole.out.find("cuts the head off"), std::string::npos) << whole.out;

@@ -54,7 +54,8 @@ void AdviseTurns(const TrackRun& run, std::vector<std::string>& advice) {
                             nod.high - nod.low));
 }
 
-// What only the head moves, without hair: as the whole frame's camera sees it.
+// What only the head moves, without hair, in the image that trains: a frame's square may end within
+// the frame.
 bool IsCutOff(const FlamePoser<float>& poser, const FlameParams& params, const Camera& camera) {
   constexpr float kBody = 0.01f;  // the root's share
   std::vector<float> vertices;
@@ -70,12 +71,11 @@ bool IsCutOff(const FlamePoser<float>& poser, const FlameParams& params, const C
 
 void AdviseRoom(const TrackRun& run, std::vector<std::string>& advice) {
   const FlamePoser<float> poser(run.model, run.fit.shape);
-  const Camera camera = run.whole_camera();
   const auto cut = size_t(std::count_if(run.kept.begin(), run.kept.end(), [&](size_t f) {
-    return IsCutOff(poser, run.fit.frames[f]->params, camera);
+    return IsCutOff(poser, run.fit.frames[f]->params, run.fit.camera);
   }));
   if (double(cut) > kManyFrames * double(run.kept.size()))
-    advice.push_back(Format("The frame cuts the head off in {} of {} frames: leave room around it.",
+    advice.push_back(Format("The image cuts the head off in {} of {} frames: leave room around it.",
                             cut,
                             run.kept.size()));
 }
