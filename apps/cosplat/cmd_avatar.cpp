@@ -11,6 +11,7 @@
 #include "apps/cosplat/run/run_checkpoint.h"
 #include "apps/cosplat/run/track_run.h"
 #include "apps/cosplat/run/train_run.h"
+#include "flame/fit/head_crop.h"
 #include "flame/model.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
@@ -40,10 +41,10 @@ bool AreAsAsked(const LandmarkVideo& marks,
                 const LandmarkRunOptions& asked,
                 const FrameSource& frames) {
   const int side = std::max(frames.width(), frames.height());
-  const int size =
-      marks.crop ? std::min(asked.size, marks.crop->side) : (asked.size == 0 ? side : asked.size);
   const bool all = asked.frames == 0 || frames.count() <= asked.frames;
-  return (marks.crop ? marks.width == size : side <= size) &&
+  const bool whole = asked.size == 0 || side <= asked.size;
+  return (marks.crop ? !whole && SidesWithin(marks.crop->part, asked.size)[0] == marks.width
+                     : whole) &&
          int(marks.frames.size()) == (all ? frames.count() : asked.frames);
 }
 

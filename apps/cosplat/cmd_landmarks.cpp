@@ -126,18 +126,17 @@ std::vector<std::vector<DetectedFace>> SearchSmallFaces(const LandmarkRunOptions
   const auto first = SearchFaces(o, frames, kFirstFramesOfWindows, windows);
   if (WithFaces(first) > 0) {
     const FrameCrop head = HeadCrop(first, width, height, o.size);
-    const int side = std::min({2 * head.side, width, height});
-    const auto place = [&](int at, int size) {
-      return std::clamp(at + (head.side - side) / 2, 0, size - side);
-    };
-    auto near = SearchFaces(
-        o, frames, kCoarseFrames, {{place(head.x, width), place(head.y, height), side, side}});
+    const Crop& part = head.part;
+    Crop around{0, 0, std::min(2 * part.width, width), std::min(2 * part.height, height)};
+    around.x = std::clamp(part.x - part.width / 2, 0, width - around.width);
+    around.y = std::clamp(part.y - part.height / 2, 0, height - around.height);
+    auto near = SearchFaces(o, frames, kCoarseFrames, {around});
     if (2 * WithFaces(near) >= near.size()) return near;
   }
   return SearchFaces(o, frames, kFramesOfWindows, windows);
 }
 
-// The square around the head; none where the frames are no larger than it would be as an image.
+// The part around the head; none where the frames are no larger than it would be as an image.
 std::optional<FrameCrop> FindCrop(const LandmarkRunOptions& o, const FrameSource& frames) {
   const int width = frames.width(), height = frames.height();
   if (o.size == 0 || std::max(width, height) <= o.size) return {};
@@ -253,15 +252,15 @@ void DetectLandmarks(const LandmarkRunOptions& o, FrameSource& frames) {
   if (choice.held_out > 0)
     std::printf(", of which %zu are kept, of %d", video.frames.size(), frames.count());
   if (crop)
-    std::printf("; the head's square is %dx%d at %d, %d of %dx%d, as %dx%d",
-                crop->side,
-                crop->side,
-                crop->x,
-                crop->y,
+    std::printf("; the head's part is %dx%d at %d, %d of %dx%d, as %dx%d",
+                crop->part.width,
+                crop->part.height,
+                crop->part.x,
+                crop->part.y,
                 crop->frame_width,
                 crop->frame_height,
-                crop->size,
-                crop->size);
+                crop->width,
+                crop->height);
   std::printf(": %s\n", o.out.c_str());
 }
 
@@ -270,8 +269,8 @@ void DeclareLandmarks(LandmarkRunOptions& o, CLI::App& command) {
       .add_option(
           "--size",
           o.size,
-          "side of the images, in pixels: the head's square of larger frames becomes one of "
-          "at most this; 0: whole frames")
+          "side of the images, in pixels: the head's part of larger frames becomes an image of "
+          "at most this, squared; 0: whole frames")
       ->check(CLI::Range(0, 8192));
   command
       .add_option(

@@ -48,18 +48,20 @@ constexpr size_t kMinBodyWindow = 6;
 constexpr struct { double root = 0.05, neck = 0.5, translation = 0.02; } kBodySigma;
 
 // The images are all of the frames.
-FrameCrop Whole(int width, int height) { return {0, 0, 1, width, height, 1}; }
+FrameCrop Whole(int width, int height) {
+  return {{0, 0, width, height}, width, height, width, height};
+}
 
 FitLens LensOf(const FrameCrop& crop) {
-  return {crop.scale() * (crop.frame_width / 2.0 - crop.x),
-          crop.scale() * (crop.frame_height / 2.0 - crop.y)};
+  return {crop.scale_x() * (crop.frame_width / 2.0 - crop.part.x),
+          crop.scale_y() * (crop.frame_height / 2.0 - crop.part.y)};
 }
 
 double LogFocalOf(const LandmarkFitOptions& options, const FrameCrop& crop) {
   const double focal = options.focal > 0
                            ? options.focal
                            : kFocalPerSide * std::max(crop.frame_width, crop.frame_height);
-  return std::log(crop.scale() * focal);
+  return std::log(crop.scale_x() * focal);
 }
 
 int ExpressionCount(const FlameModel& model, int at_most) {

@@ -63,17 +63,23 @@ FrameCrop HeadCrop(const std::vector<std::vector<DetectedFace>>& faces,
   if (left.empty()) throw Error("landmarks", "no frame has a face");
   const double x0 = Quantile(left, kOutermost), x1 = Quantile(right, 1 - kOutermost);
   const double y0 = Quantile(top, kOutermost), y1 = Quantile(bottom, 1 - kOutermost);
+  const int side = int(std::ceil(std::max({x1 - x0, y1 - y0, 2.0}) / 2)) * 2;
   FrameCrop crop;
   crop.frame_width = width, crop.frame_height = height;
-  const int wanted = int(std::ceil(std::max({x1 - x0, y1 - y0, 2.0}) / 2)) * 2;
-  crop.side = std::min({wanted, width, height});
-  const auto place = [&](double at, int most) {
-    return std::clamp(int(std::lround(at)), 0, most - crop.side);
-  };
-  crop.x = place((x0 + x1 - crop.side) / 2, width);
-  crop.y = place(y0 + kLostAbove * (y1 - y0 - crop.side), height);
-  crop.size = std::min(size, crop.side);
+  Crop& part = crop.part;
+  part.width = std::min(side, width), part.height = std::min(side, height);
+  part.x = std::clamp(int(std::lround((x0 + x1 - part.width) / 2)), 0, width - part.width);
+  const double missing = y1 - y0 - part.height;
+  part.y = std::clamp(int(std::lround(y0 + kLostAbove * missing)), 0, height - part.height);
+  const auto [image_width, image_height] = SidesWithin(part, size);
+  crop.width = image_width, crop.height = image_height;
   return crop;
+}
+
+std::array<int, 2> SidesWithin(const Crop& part, int size) {
+  const double scale = std::min(1.0, size / std::sqrt(double(part.width) * part.height));
+  return {std::max(1, int(std::lround(scale * part.width))),
+          std::max(1, int(std::lround(scale * part.height)))};
 }
 
 }  // namespace cosplat

@@ -98,20 +98,30 @@ FrameCrop CropOf(const JsonField& field, int width, int height) {
   FrameCrop crop;
   crop.frame_width = field["frame_width"].Integer(1, kMaxImageSide);
   crop.frame_height = field["frame_height"].Integer(1, kMaxImageSide);
-  crop.side = field["side"].Integer(1, std::min(crop.frame_width, crop.frame_height));
-  crop.x = field["x"].Integer(0, crop.frame_width - crop.side);
-  crop.y = field["y"].Integer(0, crop.frame_height - crop.side);
-  crop.size = width;
-  if (width != height || width > crop.side)
-    field["side"].Fail(
-        Format("is {}, of which images of {} cannot be", crop.side, SizeText(width, height)));
+  // `side` is how squares were written when there was nothing else.
+  const char* across = field.Has("side") ? "side" : "width";
+  const char* down = field.Has("side") ? "side" : "height";
+  Crop& part = crop.part;
+  part.width = field[across].Integer(1, crop.frame_width);
+  part.height = field[down].Integer(1, crop.frame_height);
+  part.x = field["x"].Integer(0, crop.frame_width - part.width);
+  part.y = field["y"].Integer(0, crop.frame_height - part.height);
+  crop.width = width, crop.height = height;
+  // The images' other side, if they are not stretched.
+  const double tall = double(width) * part.height / part.width;
+  if (width > part.width || std::abs(height - tall) > 1)
+    field[across].Fail(Format("is {}, of {}, which images of {} cannot be",
+                              part.width,
+                              SizeText(part.width, part.height),
+                              SizeText(width, height)));
   return crop;
 }
 
 Json CropJson(const FrameCrop& crop) {
-  return {{"x", crop.x},
-          {"y", crop.y},
-          {"side", crop.side},
+  return {{"x", crop.part.x},
+          {"y", crop.part.y},
+          {"width", crop.part.width},
+          {"height", crop.part.height},
           {"frame_width", crop.frame_width},
           {"frame_height", crop.frame_height}};
 }
@@ -137,11 +147,11 @@ Json FrameJson(const LandmarkFrame& frame, const fs::path& folder) {
 
 }  // namespace
 
-Camera FrameCrop::WholeCamera(const Camera& of_square) const {
-  Camera whole = of_square;
+Camera FrameCrop::WholeCamera(const Camera& of_part) const {
+  Camera whole = of_part;
   whole.width = frame_width, whole.height = frame_height;
-  whole.fx = float(of_square.fx / scale()), whole.fy = float(of_square.fy / scale());
-  const auto [cx, cy] = InFrame({of_square.cx, of_square.cy});
+  whole.fx = float(of_part.fx / scale_x()), whole.fy = float(of_part.fy / scale_y());
+  const auto [cx, cy] = InFrame({of_part.cx, of_part.cy});
   whole.cx = float(cx), whole.cy = float(cy);
   return whole;
 }

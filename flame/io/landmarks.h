@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "splat/base/camera.h"
+#include "splat/base/image.h"
 
 namespace cosplat {
 
@@ -39,18 +40,20 @@ struct LandmarkFrame {
   std::string matte;  // path of an 8-bit grey image, 255 where the person is; or empty
 };
 
-// A square of a video's frames, the same in all of them, as an image of its own.
+// A part of a video's frames, the same in all of them, as an image of its own.
 struct FrameCrop {
-  int x = 0, y = 0, side = 0;             // px of the frame: left, top, side
+  Crop part;                              // px of the frame
   int frame_width = 0, frame_height = 0;  // px
-  int size = 0;                           // px, side of the image; at most `side`
+  int width = 0, height = 0;              // px of the image; at most the part's
 
-  double scale() const { return double(size) / side; }  // px of the image per px of the frame
-  // The camera of the whole frame, whose image this is a square of.
-  Camera WholeCamera(const Camera& of_square) const;
+  // Px of the image per px of the frame: in x, and in y, which differ by rounding alone.
+  double scale_x() const { return double(width) / part.width; }
+  double scale_y() const { return double(height) / part.height; }
+  // The camera of the whole frame, whose image this is a part of.
+  Camera WholeCamera(const Camera& of_part) const;
   // A point of the image, px of the frame.
   std::array<double, 2> InFrame(const std::array<double, 2>& point) const {
-    return {x + point[0] / scale(), y + point[1] / scale()};
+    return {part.x + point[0] / scale_x(), part.y + point[1] / scale_y()};
   }
 };
 

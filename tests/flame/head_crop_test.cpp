@@ -14,44 +14,55 @@ DetectedFace FaceAt(double x, double y, double size = 100) {
 
 TEST(HeadCrop, HasRoomForHairAndShoulders) {
   const FrameCrop crop = HeadCrop({{FaceAt(900, 400)}, {FaceAt(940, 400)}}, 1920, 1080, 512);
-  EXPECT_EQ(crop.side, 340);  // three faces, and the way between them
-  EXPECT_EQ(crop.x, 750);
-  EXPECT_NEAR(crop.y, 400 - 140 - 6, 1);
-  EXPECT_EQ(crop.size, 340);  // not enlarged
-  EXPECT_EQ(HeadCrop({{FaceAt(900, 400)}}, 1920, 1080, 256).size, 256);
+  EXPECT_EQ(crop.part.width, 340);  // three faces, and the way between them
+  EXPECT_EQ(crop.part.height, 340);
+  EXPECT_EQ(crop.part.x, 750);
+  EXPECT_NEAR(crop.part.y, 400 - 140 - 6, 1);
+  EXPECT_EQ(crop.width, 340);  // not enlarged
+  EXPECT_EQ(HeadCrop({{FaceAt(900, 400)}}, 1920, 1080, 256).height, 256);
 }
 
 TEST(HeadCrop, FollowsTheLargestFaceAndNoStray) {
   std::vector<std::vector<DetectedFace>> faces(64, {FaceAt(600, 500), FaceAt(1500, 500, 60)});
   faces[7] = {FaceAt(1700, 900)};
   faces[9].clear();
-  const FrameCrop crop = HeadCrop(faces, 1920, 1080, 512);
-  EXPECT_EQ(crop.side, 316);
-  EXPECT_NEAR(crop.x + crop.side / 2, 600, 1);
+  const Crop part = HeadCrop(faces, 1920, 1080, 512).part;
+  EXPECT_EQ(part.width, 316);
+  EXPECT_NEAR(part.x + part.width / 2, 600, 1);
 }
 
 TEST(HeadCrop, StaysInsideTheFrame) {
   for (const auto& [width, height] : {std::pair(720, 1280), {1280, 720}, {301, 200}}) {
     for (const double x : {0.0, 0.5, 1.0}) {
-      const FrameCrop crop = HeadCrop({{FaceAt(x * width, 0.4 * height, 260)}}, width, height, 512);
-      EXPECT_GE(crop.x, 0);
-      EXPECT_GE(crop.y, 0);
-      EXPECT_LE(crop.x + crop.side, width);
-      EXPECT_LE(crop.y + crop.side, height);
-      EXPECT_EQ(crop.side, std::min(width, height));
+      const Crop part = HeadCrop({{FaceAt(x * width, 0.4 * height, 260)}}, width, height, 512).part;
+      EXPECT_GE(part.x, 0);
+      EXPECT_GE(part.y, 0);
+      EXPECT_LE(part.x + part.width, width);
+      EXPECT_LE(part.y + part.height, height);
     }
   }
   test::ExpectError([] { HeadCrop({{}, {}}, 64, 64, 32); }, {"no frame has a face"});
 }
 
-// The lens of the square sees a point where the lens of the frame does.
+// A telephone held near: the frame is as wide as the face, and has its crown and chin.
+TEST(HeadCrop, OfANarrowFrameKeepsItsHeight) {
+  const FrameCrop crop = HeadCrop({{FaceAt(360, 640, 400)}}, 720, 1280, 512);
+  EXPECT_EQ(crop.part.x, 0);
+  EXPECT_EQ(crop.part.width, 720);
+  EXPECT_EQ(crop.part.height, 1260);
+  EXPECT_EQ(crop.part.y, 20);  // not the middle: less is needed above the face
+  EXPECT_NEAR(crop.width * crop.height, 512 * 512, 512);
+  EXPECT_NEAR(crop.scale_x() / crop.scale_y(), 1, 2e-3);
+}
+
+// The lens of the part sees a point where the lens of the frame does.
 TEST(FrameCrop, WholeCameraSeesTheSamePoint) {
-  const FrameCrop crop{725, 238, 390, 1920, 1080, 256};
-  Camera square;
-  square.width = square.height = 256;
-  square.fx = square.fy = 2304 * 256 / 390.0f;
-  square.cx = (960 - 725) * 256 / 390.0f, square.cy = (540 - 238) * 256 / 390.0f;
-  const Camera whole = crop.WholeCamera(square);
+  const FrameCrop crop{{725, 238, 390, 420}, 1920, 1080, 256, 276};
+  Camera part;
+  part.width = 256, part.height = 276;
+  part.fx = 2304 * 256 / 390.0f, part.fy = 2304 * 276 / 420.0f;
+  part.cx = (960 - 725) * 256 / 390.0f, part.cy = (540 - 238) * 276 / 420.0f;
+  const Camera whole = crop.WholeCamera(part);
   EXPECT_EQ(whole.width, 1920);
   EXPECT_EQ(whole.height, 1080);
   EXPECT_NEAR(whole.cx, 960, 1e-3);
@@ -60,7 +71,7 @@ TEST(FrameCrop, WholeCameraSeesTheSamePoint) {
     const auto seen = [&](const Camera& c) {
       return std::array<double, 2>{c.fx * u + c.cx, c.fy * (u - 0.1) + c.cy};
     };
-    const auto back = crop.InFrame(seen(square)), direct = seen(whole);
+    const auto back = crop.InFrame(seen(part)), direct = seen(whole);
     EXPECT_NEAR(back[0], direct[0], 0.01);
     EXPECT_NEAR(back[1], direct[1], 0.01);
   }

@@ -64,19 +64,21 @@ TEST(LandmarkFile, IsReadAsWritten) {
 TEST(LandmarkFile, KeepsCropAndTestFrames) {
   const TemporaryFolder folder;
   LandmarkVideo video = ThreeFrames(folder);
-  video.width = video.height = 64;
-  video.crop = FrameCrop{30, 12, 90, 640, 480, 64};
+  video.width = 64, video.height = 48;
+  video.crop = FrameCrop{{30, 12, 120, 90}, 640, 480, 64, 48};
   video.held_out = 1;
   const std::string path = folder / "marks.json";
   WriteLandmarks(path, video);
   const LandmarkVideo read = ReadLandmarks(path);
   ASSERT_TRUE(read.crop);
-  EXPECT_EQ(read.crop->x, 30);
-  EXPECT_EQ(read.crop->y, 12);
-  EXPECT_EQ(read.crop->side, 90);
+  EXPECT_EQ(read.crop->part.x, 30);
+  EXPECT_EQ(read.crop->part.y, 12);
+  EXPECT_EQ(read.crop->part.width, 120);
+  EXPECT_EQ(read.crop->part.height, 90);
   EXPECT_EQ(read.crop->frame_width, 640);
   EXPECT_EQ(read.crop->frame_height, 480);
-  EXPECT_EQ(read.crop->size, 64);
+  EXPECT_EQ(read.crop->width, 64);
+  EXPECT_EQ(read.crop->height, 48);
   EXPECT_EQ(read.held_out, 1);
   const std::vector<char> text = ReadFile(path);
   const auto damaged = [&](const char* at, int value, const std::vector<std::string>& words) {
@@ -85,12 +87,34 @@ TEST(LandmarkFile, KeepsCropAndTestFrames) {
     WriteFileAtomically(path, json.dump());
     ExpectError([&] { ReadLandmarks(path); }, words);
   };
-  damaged("/crop/x", 560, {path, "crop.x", "560"});
+  damaged("/crop/x", 521, {path, "crop.x", "521"});
   damaged("/crop/y", -1, {"crop.y", "-1"});
-  damaged("/crop/side", 481, {"crop.side", "481"});
-  damaged("/crop/side", 60, {"crop.side", "60", "64x64"});
-  damaged("/height", 48, {"crop.side", "64x48"});
+  damaged("/crop/height", 481, {"crop.height", "481"});
+  damaged("/crop/width", 60, {"crop.width", "60x90", "64x48"});
+  damaged("/height", 50, {"crop.width", "120x90", "64x50"});
   damaged("/held_out", 4, {"held_out", "4"});
+}
+
+// As older files have it.
+TEST(LandmarkFile, ReadsASquareByItsSide) {
+  const TemporaryFolder folder;
+  LandmarkVideo video = ThreeFrames(folder);
+  video.width = video.height = 64;
+  video.crop = FrameCrop{{30, 12, 90, 90}, 640, 480, 64, 64};
+  const std::string path = folder / "marks.json";
+  WriteLandmarks(path, video);
+  const std::vector<char> text = ReadFile(path);
+  LandmarkJson json = LandmarkJson::parse(text.begin(), text.end());
+  json["crop"].erase("width"), json["crop"].erase("height");
+  json["crop"]["side"] = 90;
+  WriteFileAtomically(path, json.dump());
+  const LandmarkVideo read = ReadLandmarks(path);
+  ASSERT_TRUE(read.crop);
+  EXPECT_EQ(read.crop->part.width, 90);
+  EXPECT_EQ(read.crop->part.height, 90);
+  json["crop"]["side"] = 60;
+  WriteFileAtomically(path, json.dump());
+  ExpectError([&] { ReadLandmarks(path); }, {"crop.side", "60", "64x64"});
 }
 
 // Each damage costs one line that names file, field and value.

@@ -100,18 +100,18 @@ TEST(Landmarks, AreWrittenWithMattesAndScores) {
   EXPECT_EQ(stage.Run().code, 0);
 }
 
-// The head is looked for first; then all is about its square.
-TEST(Landmarks, AreThoseOfTheHeadsSquare) {
+// The head is looked for first; then all is about its part of the frames.
+TEST(Landmarks, AreThoseOfTheHeadsPart) {
   const Stage stage;
   for (int i = 8; i < 11; ++i)
-    WriteImage(stage.images + "/" + std::to_string(i) + ".png", Image8(80, 60, 3, 90));
+    WriteImage(stage.images + "/" + std::to_string(i) + ".png", Image8(80, 80, 3, 90));
   stage.Node("[" + Stage::Face() + "," + Stage::Face() + "," + Stage::Face() + "]");
   const CommandResult result = stage.Run({"--size", std::to_string(kSide)});
   ASSERT_EQ(result.code, 0) << result.err;
-  EXPECT_NE(result.out.find("60x60 at 0, 0 of 80x60, as 32x32"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("68x68 at 0, 0 of 80x80, as 32x32"), std::string::npos) << result.out;
   const LandmarkVideo video = ReadLandmarks(stage.out);
   ASSERT_TRUE(video.crop);
-  EXPECT_EQ(video.crop->side, 60);
+  EXPECT_EQ(video.crop->part.height, 68);
   EXPECT_EQ(video.width, kSide);
   EXPECT_EQ(ReadImageInfo(video.frames[2].matte).width, kSide);
   // A choice of frames is exact.
@@ -252,7 +252,7 @@ TEST(Landmarks, AreFoundByChromium) {
   ASSERT_EQ(Cosplat({"landmarks", large, "-o", marks, "--size", "256", "--quiet"}).code, 0);
   const LandmarkVideo far = ReadLandmarks(marks);
   ASSERT_TRUE(far.crop);
-  EXPECT_LT(far.crop->side, 150);
+  EXPECT_LT(far.crop->part.width, 150);
   for (size_t f = 0; f < 4; ++f) {
     ASSERT_EQ(far.frames[f].faces.size(), 1u);
     const auto nose = far.crop->InFrame(far.frames[f].faces[0].points[1]);

@@ -133,17 +133,17 @@ TEST(Track, SaysThatTheImageCutsTheHeadOff) {
   EXPECT_NE(cut.out.find(said), std::string::npos) << cut.out;
 }
 
-// Landmarks of a square of the frames: the lens is off its middle, and overlays are whole frames.
-TEST(Track, TracksASquareOfTheFrames) {
+// Landmarks of a part of the frames: the lens is off its middle, and overlays are whole frames.
+TEST(Track, TracksAPartOfTheFrames) {
   Filmed filmed;
-  const FrameCrop crop{12, 4, 112, 128, 128, 112};
+  const FrameCrop crop{{12, 4, 112, 120}, 128, 128, 112, 120};
   filmed.Change([&](LandmarkVideo& video) {
-    video.width = video.height = crop.size;
+    video.width = crop.width, video.height = crop.height;
     video.crop = crop;
     video.held_out = 5;
     for (LandmarkFrame& frame : video.frames) {
       frame.matte = "";
-      for (auto& [x, y] : frame.faces[0].points) x -= crop.x, y -= crop.y;
+      for (auto& [x, y] : frame.faces[0].points) x -= crop.part.x, y -= crop.part.y;
     }
   });
   const std::string overlays = filmed.folder / "overlays";
@@ -152,13 +152,14 @@ TEST(Track, TracksASquareOfTheFrames) {
   const TrackedVideo track = LoadTrackedVideo(filmed.track, {});
   EXPECT_EQ(track.test.size(), 5u);
   const Camera& camera = track.train[0].camera;
-  EXPECT_EQ(camera.width, crop.size);
-  EXPECT_NEAR(camera.cx, 64 - crop.x, 0.01);
-  EXPECT_NEAR(camera.cy, 64 - crop.y, 0.01);
-  EXPECT_EQ(ReadImageInfo(track.train[0].image_path).width, crop.size);
+  EXPECT_EQ(camera.width, crop.width);
+  EXPECT_EQ(camera.height, crop.height);
+  EXPECT_NEAR(camera.cx, 64 - crop.part.x, 0.01);
+  EXPECT_NEAR(camera.cy, 64 - crop.part.y, 0.01);
+  EXPECT_EQ(ReadImageInfo(track.train[0].image_path).height, crop.height);
   EXPECT_EQ(ReadImageInfo(overlays + "/00000.png").width, 128);
   filmed.Change([&](LandmarkVideo& video) {
-    video.width = video.height = crop.size;
+    video.width = crop.width, video.height = crop.height;
     video.crop = crop;
     video.crop->frame_width = 256;
   });

@@ -92,18 +92,13 @@ Image8 FrameSource::ReadAll(int frame) const {
 
 void FrameSource::Crop(const FrameCrop& crop) {
   crop_ = crop;
-  width_ = height_ = crop.size;
+  width_ = crop.width, height_ = crop.height;
   kept_.clear();
   kept_bytes_ = 0;
 }
 
-Image8 FrameSource::Square(const Image8& image) const {
-  if (!crop_) return image;
-  Image8 square(crop_->side, crop_->side, image.channels);
-  const size_t row = size_t(crop_->side) * size_t(image.channels);
-  for (int y = 0; y < crop_->side; ++y)
-    std::copy_n(&image.at(crop_->x, crop_->y + y, 0), row, &square.data[size_t(y) * row]);
-  return ResizeByArea(square, crop_->size, crop_->size);
+Image8 FrameSource::Part(const Image8& image) const {
+  return crop_ ? ResizeByArea(Cropped(image, crop_->part), width_, height_) : image;
 }
 
 Image8 FrameSource::ReadWhole(int frame) const { return RgbOf(ReadAll(frame)); }
@@ -112,7 +107,7 @@ Image8 FrameSource::Read(int frame) const {
   if (!crop_) return ReadWhole(frame);
   const std::lock_guard lock(mutex_);
   if (const auto kept = kept_.find(frame); kept != kept_.end()) return kept->second;
-  Image8 image = Square(ReadWhole(frame));
+  Image8 image = Part(ReadWhole(frame));
   if (kept_bytes_ + image.data.size() <= kMaxKeptBytes) {
     kept_bytes_ += image.data.size();
     kept_[frame] = image;
@@ -121,7 +116,7 @@ Image8 FrameSource::Read(int frame) const {
 }
 
 Image8 FrameSource::Alpha(int frame) const {
-  const Image8 image = Square(ReadAll(frame));
+  const Image8 image = Part(ReadAll(frame));
   Image8 alpha(image.width, image.height, 1, 255);
   if (image.channels == 4)
     for (size_t i = 0; i < alpha.pixels(); ++i) alpha.data[i] = image.data[4 * i + 3];

@@ -30,7 +30,7 @@ class FrameSource {
   std::vector<std::string> notes() const;
   // Whether the frames have alpha: all of a video, or the first image some below 255.
   bool has_alpha() const { return has_alpha_; }
-  // From here on the frames are this square of those in the file, which it must fit. Squares that
+  // From here on the frames are this part of those in the file, which it must fit. Parts that
   // are read are kept, up to half a gigabyte of them, so that a video is not decoded each time.
   void Crop(const FrameCrop& crop);
   // 1 channel: the frame's alpha, 255 where it has none. Throws Error as the readers do.
@@ -51,7 +51,7 @@ class FrameSource {
   mutable std::mutex mutex_;
 
   Image8 ReadAll(int frame) const;
-  Image8 Square(const Image8& image) const;
+  Image8 Part(const Image8& image) const;
 };
 
 }  // namespace cosplat

@@ -122,7 +122,7 @@ void AdviseFrames(const TrackRun& run,
   if (kept < kMinFrames)
     advice.push_back(Format("There are {} frames: 20 seconds or more show more of a face.", kept));
   std::vector<double> sizes;
-  const double scale = run.marks.crop ? run.marks.crop->scale() : 1;
+  const double scale = run.marks.crop ? run.marks.crop->scale_x() : 1;
   for (const size_t f : run.kept) sizes.push_back(run.chosen.faces[f]->size / scale);
   const double size = SpanOf(sizes, 0.5).low;
   if (size < kMinFace)

@@ -20,7 +20,7 @@ class OwnMattes {
  public:
   // Throws Error naming `path` if there is not one for each of `frames`, of their size.
   OwnMattes(const std::string& path, const FrameSource& frames);
-  // From here on they are this square of the frames.
+  // From here on they are this part of the frames.
   void Crop(const FrameCrop& crop) { mattes_.Crop(crop); }
   // 1 channel, 255 where the person is. Cheapest in order.
   Image8 Read(int frame) const;
