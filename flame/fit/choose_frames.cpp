@@ -80,6 +80,20 @@ std::array<double, 4> ExtentOf(const std::vector<std::array<double, 2>>& points)
   return extent;
 }
 
+constexpr float kNoColor = -1;  // of a part that is not in the image
+
+// Mean difference of the parts that both show; 0 if there is none.
+double ColorChange(const std::vector<float>& a, const std::vector<float>& b) {
+  double sum = 0;
+  size_t count = 0;
+  for (size_t k = 0; k < a.size(); ++k) {
+    if (a[k] == kNoColor || b[k] == kNoColor) continue;
+    sum += std::abs(a[k] - b[k]);
+    ++count;
+  }
+  return sum / double(std::max<size_t>(1, count));
+}
+
 }  // namespace
 
 FrameSelection FramesToLookAt(size_t total, int wanted, double rate) {
@@ -134,7 +148,8 @@ std::vector<float> FaceColorsOf(const Image8& image,
       for (int c = 0; c < 3; ++c) colors[3 * part + size_t(c)] += image.at(x, y, c);
       ++counts[part];
     }
-  for (size_t i = 0; i < colors.size(); ++i) colors[i] /= float(std::max<size_t>(1, counts[i / 3]));
+  for (size_t i = 0; i < colors.size(); ++i)
+    colors[i] = counts[i / 3] > 0 ? colors[i] / float(counts[i / 3]) : kNoColor;
   return colors;
 }
 
@@ -143,25 +158,24 @@ std::vector<size_t> OtherLooks(const std::vector<std::vector<float>>& colors) {
   constexpr size_t kWindow = 5;
   constexpr double kMinChange = 12, kTimesUsual = 5;
   if (colors.size() < 2 * kWindow) return {};
-  const auto median = [&](size_t begin, size_t k) {
-    std::array<float, kWindow> values;
-    for (size_t j = 0; j < kWindow; ++j) values[j] = colors[begin + j][k];
-    std::nth_element(values.begin(), values.begin() + kWindow / 2, values.end());
-    return values[kWindow / 2];
+  const auto median = [&](size_t begin) {
+    std::vector<float> medians(colors[begin].size());
+    for (size_t k = 0; k < medians.size(); ++k) {
+      std::array<float, kWindow> values;
+      for (size_t j = 0; j < kWindow; ++j) values[j] = colors[begin + j][k];
+      std::nth_element(values.begin(), values.begin() + kWindow / 2, values.end());
+      medians[k] = values[kWindow / 2];
+    }
+    return medians;
   };
   std::vector<double> change(colors.size());
   for (size_t i = kWindow; i + kWindow <= colors.size(); ++i)
-    for (size_t k = 0; k < colors[i].size(); ++k)
-      change[i] += std::abs(median(i, k) - median(i - kWindow, k)) / double(colors[i].size());
+    change[i] = ColorChange(median(i), median(i - kWindow));
   std::vector<double> sorted(change.begin() + kWindow, change.end() - kWindow + 1);
   std::nth_element(sorted.begin(), sorted.begin() + ptrdiff_t(sorted.size() / 2), sorted.end());
   const double usual = sorted[sorted.size() / 2];
   // The largest step within the window is where it begins.
-  const auto step = [&](size_t i) {
-    double sum = 0;
-    for (size_t k = 0; k < colors[i].size(); ++k) sum += std::abs(colors[i][k] - colors[i - 1][k]);
-    return sum;
-  };
+  const auto step = [&](size_t i) { return ColorChange(colors[i], colors[i - 1]); };
   std::vector<size_t> places;
   for (size_t i = kWindow; i + kWindow <= colors.size(); ++i) {
     if (change[i] <= std::max(kMinChange, kTimesUsual * usual)) continue;

@@ -27,7 +27,7 @@ FrameSelection FramesToLookAt(size_t total, int wanted, double rate);
 double SharpnessOf(const Image8& image, const std::vector<std::array<double, 2>>& landmarks);
 
 // Mean colours of the parts of a face, 4 by 4 within the landmarks' extent, one after the other: 48
-// numbers of [0, 255]. image: 3 channels. landmarks: px.
+// numbers of [0, 255], or -1 for parts beyond the image. image: 3 channels. landmarks: px.
 std::vector<float> FaceColorsOf(const Image8& image,
                                 const std::vector<std::array<double, 2>>& landmarks);
 

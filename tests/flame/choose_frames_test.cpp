@@ -109,7 +109,7 @@ TEST(FaceColorsOf, AreThoseOfItsParts) {
   for (size_t part = 0; part < 16; ++part)
     for (size_t c = 0; c < 3; ++c)
       EXPECT_EQ(colors[3 * part + c], part % 4 < 2 ? 50 : float(200 + c)) << part;
-  EXPECT_EQ(FaceColorsOf(image, {{-50, -50}, {-20, -20}}), std::vector<float>(48));
+  EXPECT_EQ(FaceColorsOf(image, {{-50, -50}, {-20, -20}}), std::vector<float>(48, -1));
 }
 
 TEST(OtherLooks, AreFoundWhereAnotherPersonBegins) {
@@ -126,6 +126,9 @@ TEST(OtherLooks, AreFoundWhereAnotherPersonBegins) {
   EXPECT_EQ(OtherLooks(colors([](int i) { return 100 + 2 * float(i); })), std::vector<size_t>{})
       << "a light that grows";
   EXPECT_EQ(OtherLooks({}), std::vector<size_t>{});
+  auto leaving = colors([](int) { return 100; });
+  for (size_t i = 40; i < leaving.size(); ++i) std::fill_n(leaving[i].begin(), 24, -1);
+  EXPECT_EQ(OtherLooks(leaving), std::vector<size_t>{}) << "half of it beyond the image";
 }
 
 }  // namespace

@@ -80,6 +80,21 @@ void AdviseRoom(const TrackRun& run, std::vector<std::string>& advice) {
                             run.kept.size()));
 }
 
+void AdviseLooks(const TrackRun& run,
+                 const std::vector<size_t>& other_looks,
+                 std::vector<std::string>& advice) {
+  constexpr size_t kNamed = 3;
+  if (other_looks.empty()) return;
+  std::string frames;
+  for (size_t i = 0; i < std::min(kNamed, other_looks.size()); ++i)
+    frames += (i > 0 ? ", " : "") + run.marks.frames[run.kept[other_looks[i]]].name;
+  if (other_looks.size() > kNamed) frames += Format(" and {} more", other_looks.size() - kNamed);
+  advice.push_back(
+      Format("From frame {} on the face looks different: is it another person, shot or light? An "
+             "avatar is of one: leave the others out.",
+             frames));
+}
+
 // The scores of the faces that were fitted; false if they have none of these.
 bool ScoresOf(const TrackRun& run,
               const std::vector<std::string>& names,
@@ -149,12 +164,8 @@ std::vector<std::string> AdviceFor(const TrackRun& run,
                                    const std::vector<double>& sharpness,
                                    const std::vector<size_t>& other_looks) {
   std::vector<std::string> advice;
-  for (const size_t i : other_looks)
-    advice.push_back(
-        Format("From frame {} on the face looks different: is it another person, shot or "
-               "light? An avatar is of one: leave the others out.",
-               run.marks.frames[run.kept[i]].name));
   AdviseRoom(run, advice);
+  AdviseLooks(run, other_looks, advice);
   AdviseTurns(run, advice);
   AdviseExpressions(run, advice);
   AdviseFrames(run, sharpness, advice);
