@@ -31,6 +31,12 @@ export function make(tag, properties = {}, ...children) {
 
 export const labelled = (text, control) => make("label", {}, text, control);
 
+// For pictures from where the head was not filmed.
+function filmedFrom({ filmedYaw, filmedPitch }) {
+  const [right, left, down, up] = [...filmedYaw, ...filmedPitch].map((radians) => ((radians * 180) / Math.PI).toFixed(0));
+  return `a guess: the head was filmed from ${right} to ${left} degrees to its left, and from ${down} to ${up} upwards`;
+}
+
 // An element in `stage` that shows the model, with its speed and what goes wrong.
 export function show(model, stage, status, attributes = {}) {
   const element = document.createElement(model.splats ? "cosplat-splats" : "cosplat-avatar");
@@ -43,10 +49,14 @@ export function show(model, stage, status, attributes = {}) {
     status.textContent = text;
     status.classList.toggle("problem", problem);
   };
+  let beyond = 0;
   element.addEventListener("stats", ({ detail }) => {
     const threads = `${detail.threads} thread${detail.threads > 1 ? "s" : ""}`;
     const by = detail.renderer === "gpu" ? "GPU" : threads;
     speed.textContent = `${detail.framesPerSecond.toFixed(0)} frames/s, ${detail.milliseconds.toFixed(1)} ms each, ${by}`;
+    const guessed = (detail.health?.beyondFilm ?? 0) > beyond;
+    beyond = detail.health?.beyondFilm ?? 0;
+    if (guessed) speed.textContent += `; ${filmedFrom(element.remote.properties)}`;
   });
   element.addEventListener("error", ({ message }) => say(message, true));
   element.addEventListener("load", ({ detail }) => say(`${detail.gaussianCount.toLocaleString("en")} Gaussians`));

@@ -72,6 +72,7 @@ const pages = [
   { name: "gallery-splats", url: `${scenes}/pages/index.html`, isolated: true },
   { name: "gallery-gpu", url: `${avatars}/pages/index.html?playcanvas=${playcanvas}&renderer=gpu`, isolated: true, gpu: true },
   { name: "obs", url: `${avatars}/pages/obs.html?camera=20+5+0.9`, isolated: true },
+  { name: "beyond", url: `${avatars}/pages/index.html`, isolated: true, beyond: true },
   { name: "relay", url: `${relayed}/pages/obs.html`, isolated: true, relay: true },
   { name: "webcam", url: `${avatars}/pages/webcam.html?package=${mediapipe}`, isolated: true, webcam: true },
   { name: "offline", url: pathToFileURL(inWork("avatar.html")).href, isolated: false },
@@ -82,7 +83,7 @@ const browser = await (values.firefox ? Firefox : DevTools).start({ ...values, p
 const shown = "document.querySelector('cosplat-avatar, cosplat-splats')";
 // Without a screen Firefox has neither a GPU nor a camera of a person.
 const shownBy = pages.filter(({ webcam, gpu }) => !values.firefox || !(webcam || gpu));
-for (const { name, url, isolated, webcam, relay, gpu = false } of shownBy)
+for (const { name, url, isolated, webcam, relay, beyond, gpu = false } of shownBy)
   for (const [width, height] of [[1280, 800], [390, 844]]) {
     const page = await browser.page(url, width, height);
     const text = (id) => page.value(`document.getElementById("${id}")?.textContent ?? ""`);
@@ -101,6 +102,10 @@ for (const { name, url, isolated, webcam, relay, gpu = false } of shownBy)
       await until("frames come", async () => (await page.value(`${shown}.health()`)).accepted > 20);
       const { driveMalformed } = await page.value(`${shown}.health()`);
       assert.equal(driveMalformed, 0);
+    }
+    if (beyond) {
+      await page.value(`${shown}.setAttribute("camera", "180")`);
+      await until("the page says what is a guess", async () => /a guess: the head was filmed from/.test(await page.value("document.querySelector('.speed').textContent")));
     }
     if (gpu) await until("the GPU draws", () => page.value(`${shown}.drawing === "gpu"`));
     await sleep(1500);
