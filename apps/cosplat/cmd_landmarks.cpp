@@ -1,7 +1,7 @@
 // cosplat landmarks: the points of the face in each frame of a video, and mattes, by MediaPipe in
 // headless Chromium.
 //
-// FrameSource -> FaceDetector on a few frames -> HeadCrop -> FrameSource::Crop -> FaceDetector ->
+// FrameSource -> FaceDetector on a few frames -> HeadCrop -> FrameSource::CropTo -> FaceDetector ->
 // ChooseFrames -> a landmark file with its mattes, which `cosplat track` reads.
 #include <tbb/parallel_for.h>
 
@@ -215,8 +215,8 @@ void DetectLandmarks(const LandmarkRunOptions& o, FrameSource& frames) {
   std::optional<OwnMattes> own;
   if (!o.matte.empty()) own.emplace(o.matte, frames);
   const std::optional<FrameCrop> crop = FindCrop(o, frames);
-  if (crop) frames.Crop(*crop);
-  if (crop && own) own->Crop(*crop);
+  if (crop) frames.CropTo(*crop);
+  if (crop && own) own->CropTo(*crop);
   LandmarkVideo video;
   video.source = o.source;
   video.width = frames.width(), video.height = frames.height();

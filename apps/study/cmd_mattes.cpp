@@ -87,7 +87,7 @@ MatteRefiner RefinerOfFrames(const std::vector<MatteFrame>& frames, double netwo
 std::vector<MatteFrame> FilmedFrames(const LandmarkVideo& marks) {
   constexpr size_t kFrames = 48;
   FrameSource source(marks.source);
-  if (marks.crop) source.Crop(*marks.crop);
+  if (marks.crop) source.CropTo(*marks.crop);
   const size_t step = std::max<size_t>(1, marks.frames.size() / kFrames);
   std::vector<MatteFrame> frames;
   for (size_t f = 0; f < marks.frames.size(); f += step)

@@ -4,8 +4,10 @@
 #include <cctype>
 #include <filesystem>
 
+#include "apps/cosplat/run/picture_bars.h"
 #include "splat/base/data_files.h"
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 #include "splat/media/image_io.h"
 
 namespace cosplat {
@@ -49,13 +51,32 @@ std::vector<std::string> ImagesIn(const std::string& folder) {
   return images;
 }
 
+bool AreSame(const Crop& a, const Crop& b) {
+  return a.x == b.x && a.y == b.y && a.width == b.width && a.height == b.height;
+}
+
+// 255 where there is none.
+Image8 AlphaOf(const Image8& image) {
+  Image8 alpha(image.width, image.height, 1, 255);
+  if (image.channels == 4)
+    for (size_t i = 0; i < alpha.pixels(); ++i) alpha.data[i] = image.data[4 * i + 3];
+  return alpha;
+}
+
 }  // namespace
 
-FrameSource::FrameSource(const std::string& path) {
+FrameSource::FrameSource(const std::string& path, Bars bars) {
+  Open(path);
+  in_file_ = {0, 0, width_, height_};
+  EndAt(in_file_);
+  if (bars == Bars::kFind) EndAt(FindPicture());
+}
+
+void FrameSource::Open(const std::string& path) {
   if (!fs::is_directory(path)) {
     video_ = std::make_unique<VideoReader>(path);
     const Image8 first = video_->ReadFrame(0);
-    width_ = whole_width_ = first.width, height_ = whole_height_ = first.height;
+    width_ = first.width, height_ = first.height;
     frames_per_second_ = video_->frames_per_second();
     has_alpha_ = video_->has_alpha();
     return;
@@ -71,26 +92,51 @@ FrameSource::FrameSource(const std::string& path) {
                       ", the images before it are " + std::to_string(width_) + "x" +
                       std::to_string(height_));
   }
-  whole_width_ = width_, whole_height_ = height_;
-  const Image8 alpha = Alpha(0);
+  const Image8 alpha = AlphaOf(ReadUpright(images_[0]));
   has_alpha_ = std::any_of(alpha.data.begin(), alpha.data.end(), [](uint8_t a) { return a < 255; });
 }
 
 int FrameSource::count() const { return video_ ? video_->frame_count() : int(images_.size()); }
 
 std::vector<std::string> FrameSource::notes() const {
-  return video_ ? video_->notes() : std::vector<std::string>();
+  std::vector<std::string> notes = video_ ? video_->notes() : std::vector<std::string>();
+  if (HasBars())
+    notes.push_back(Format("the picture is {} at {}, {} of {}: the bars beside it are left out",
+                           SizeText(picture_.width, picture_.height),
+                           picture_.x,
+                           picture_.y,
+                           SizeText(in_file_.width, in_file_.height)));
+  return notes;
 }
 
 std::string FrameSource::Name(int frame) const {
   return video_ ? std::to_string(frame) : fs::path(images_.at(size_t(frame))).stem().string();
 }
 
-Image8 FrameSource::ReadAll(int frame) const {
-  return video_ ? video_->ReadFrame(frame) : ReadUpright(images_.at(size_t(frame)));
+// One frame without bars is enough; what there are is found in three.
+Crop FrameSource::FindPicture() const {
+  std::vector<Image8> frames{ReadWhole(0)};
+  if (const auto first = PictureBetweenBars(frames); first && AreSame(*first, in_file_))
+    return in_file_;
+  for (const int third : {1, 2}) frames.push_back(ReadWhole(third * count() / 3));
+  return PictureBetweenBars(frames).value_or(in_file_);
 }
 
-void FrameSource::Crop(const FrameCrop& crop) {
+bool FrameSource::HasBars() const { return !AreSame(picture_, in_file_); }
+
+void FrameSource::EndAt(const Crop& picture) {
+  picture_ = picture;
+  width_ = picture.width, height_ = picture.height;
+  kept_.clear();
+  kept_bytes_ = 0;
+}
+
+Image8 FrameSource::ReadAll(int frame) const {
+  Image8 image = video_ ? video_->ReadFrame(frame) : ReadUpright(images_.at(size_t(frame)));
+  return HasBars() ? Cropped(image, picture_) : image;
+}
+
+void FrameSource::CropTo(const FrameCrop& crop) {
   crop_ = crop;
   width_ = crop.width, height_ = crop.height;
   kept_.clear();
@@ -115,12 +161,6 @@ Image8 FrameSource::Read(int frame) const {
   return image;
 }
 
-Image8 FrameSource::Alpha(int frame) const {
-  const Image8 image = Part(ReadAll(frame));
-  Image8 alpha(image.width, image.height, 1, 255);
-  if (image.channels == 4)
-    for (size_t i = 0; i < alpha.pixels(); ++i) alpha.data[i] = image.data[4 * i + 3];
-  return alpha;
-}
+Image8 FrameSource::Alpha(int frame) const { return AlphaOf(Part(ReadAll(frame))); }
 
 }  // namespace cosplat

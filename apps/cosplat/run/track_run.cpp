@@ -28,11 +28,12 @@ constexpr double kMaxTurned = 75;  // degrees
 // A frame is unusable beyond so many times the median error, if that is visible at all.
 constexpr double kMaxErrorRatio = 4, kMinError = 0.02;  // the latter in units of the face's size
 
-void CheckOfVideo(const LandmarkVideo& marks,
-                  const std::string& source,
-                  const FrameSource& frames) {
+void CheckOfVideo(const LandmarkVideo& marks, const std::string& source, FrameSource& frames) {
   const int width = marks.crop ? marks.crop->frame_width : marks.width;
   const int height = marks.crop ? marks.crop->frame_height : marks.height;
+  // Of another detector, which saw the bars.
+  const Crop& all = frames.in_file();
+  if (width == all.width && height == all.height) frames.EndAt(all);
   if (width != frames.whole_width() || height != frames.whole_height())
     throw Error(marks.file,
                 marks.crop ? "crop.frame_width, frame_height" : "width, height",
@@ -222,7 +223,7 @@ TrackRun FitTrack(const TrackRunOptions& o, FrameSource& frames) {
   TrackRun run;
   run.marks = ReadLandmarks(o.landmarks);
   CheckOfVideo(run.marks, o.source, frames);
-  if (run.marks.crop) frames.Crop(*run.marks.crop);
+  if (run.marks.crop) frames.CropTo(*run.marks.crop);
   run.chosen = ChooseFaces(run.marks);
   run.model = TrackingModel(o);
   run.embedding = o.embedding.empty()

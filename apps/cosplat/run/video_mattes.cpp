@@ -41,7 +41,9 @@ double AreaOf(const FaceBox& box) { return (box.right - box.left) * (box.bottom 
 }  // namespace
 
 OwnMattes::OwnMattes(const std::string& path, const FrameSource& frames)
-    : mattes_(path), is_video_(!std::filesystem::is_directory(path)) {
+    : mattes_(path, Bars::kKeep), is_video_(!std::filesystem::is_directory(path)) {
+  const Crop &own = mattes_.in_file(), &filmed = frames.in_file();
+  if (own.width == filmed.width && own.height == filmed.height) mattes_.EndAt(frames.picture());
   if (mattes_.width() != frames.width() || mattes_.height() != frames.height())
     throw Error(path,
                 Format("mattes are {}, the frames {}",

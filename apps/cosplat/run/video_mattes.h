@@ -21,7 +21,7 @@ class OwnMattes {
   // Throws Error naming `path` if there is not one for each of `frames`, of their size.
   OwnMattes(const std::string& path, const FrameSource& frames);
   // From here on they are this part of the frames.
-  void Crop(const FrameCrop& crop) { mattes_.Crop(crop); }
+  void CropTo(const FrameCrop& crop) { mattes_.CropTo(crop); }
   // 1 channel, 255 where the person is. Cheapest in order.
   Image8 Read(int frame) const;
 
