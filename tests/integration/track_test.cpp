@@ -311,6 +311,7 @@ TEST(Avatar, FromAVideoToReportAndPlayback) {
     EXPECT_TRUE(std::filesystem::exists(out + "/" + made)) << made;
   EXPECT_EQ(VideoReader(out + "/playback.mp4").frame_count(), 24);
   EXPECT_NE(result.out.find("no blendshape map"), std::string::npos) << result.out;
+  EXPECT_NE(test::Slurp(out + "/avatar/config.ini").find("max-gaussians=12000"), std::string::npos);
   const FlameModel own = LoadFlameModel(out + "/head.npz");
   EXPECT_TRUE(own.redistributable);
   EXPECT_EQ(own.expression_names.back(), "eyeBlinkRight");
@@ -319,6 +320,23 @@ TEST(Avatar, FromAVideoToReportAndPlayback) {
   // The later commands find it, too.
   const int code = Cosplat({"check", out + "/track"}).code;
   EXPECT_TRUE(code == 0 || code == 3) << code;  // 3: it says what is odd
+  const CommandResult best = Cosplat({"avatar",
+                                      filmed.images,
+                                      "-o",
+                                      filmed.folder / "best",
+                                      "--landmarks",
+                                      filmed.marks,
+                                      "--avatar-rounds",
+                                      "0",
+                                      "--quality",
+                                      "best",
+                                      "--iterations",
+                                      "5",
+                                      "--gaussians",
+                                      "500"});
+  ASSERT_EQ(best.code, 0) << best.err;
+  EXPECT_NE(test::Slurp(filmed.folder / "best/avatar/config.ini").find("max-gaussians=2000000"),
+            std::string::npos);
   const CommandResult again = Cosplat({"train-avatar",
                                        "-s",
                                        out + "/track",

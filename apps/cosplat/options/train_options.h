@@ -99,4 +99,8 @@ CLI::Option* AddDevice(CLI::App& command,
                        std::optional<Device>& device,
                        const std::string& description);
 
+// Gives an option another value where the user gave none, as its default in configuration files,
+// too. Returns whether it did.
+bool SetUnlessGiven(CLI::App& command, const std::string& name, const std::string& value);
+
 }  // namespace cosplat

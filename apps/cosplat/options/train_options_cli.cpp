@@ -265,22 +265,22 @@ void TrainOptions::DeclareQuality(CLI::App& command, const std::string& descript
   AddChoice(command, "--quality", quality, qualities, description)->run_callback_for_default(false);
 }
 
+bool SetUnlessGiven(CLI::App& command, const std::string& name, const std::string& value) {
+  CLI::Option* option = command.get_option(name);
+  if (option->count() > 0) return false;
+  const bool before = option->get_run_callback_for_default();
+  option->run_callback_for_default()->default_val(value)->run_callback_for_default(before);
+  return true;
+}
+
 void TrainOptions::Settle(CLI::App& command,
                           const OptionValues& of_preset,
                           const OptionValues& (*of_quality)(Quality)) {
-  // Returns whether it was not given.
-  const auto set = [&](const std::string& name, const std::string& value) {
-    CLI::Option* option = command.get_option(name);
-    if (option->count() > 0) return false;
-    const bool before = option->get_run_callback_for_default();
-    option->run_callback_for_default()->default_val(value)->run_callback_for_default(before);
-    return true;
-  };
-  for (const auto& [name, value] : of_preset) set(name, value);
+  for (const auto& [name, value] : of_preset) SetUnlessGiven(command, name, value);
   settled.clear();
   if (!quality) return;
   for (const auto& [name, value] : of_quality(*quality))
-    settled += " " + name + " " + (set(name, value) ? value : "as it is given");
+    settled += " " + name + " " + (SetUnlessGiven(command, name, value) ? value : "as it is given");
 }
 
 }  // namespace cosplat
