@@ -8,6 +8,7 @@
 #include "apps/cosplat/options/avatar_options.h"
 #include "apps/cosplat/options/command_line.h"
 #include "apps/cosplat/run/head_model.h"
+#include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/run_checkpoint.h"
 #include "apps/cosplat/run/track_run.h"
 #include "apps/cosplat/run/train_run.h"
@@ -76,6 +77,7 @@ std::string LandmarksOf(const AvatarCommand& o, FrameSource& frames) {
 void MakeAvatar(AvatarCommand o, const std::string& config) {
   // What is broken is found first.
   auto frames = std::make_unique<FrameSource>(o.track.source);
+  PrintNotes(frames->notes());
   if (!o.flame.empty()) LoadFlameModel(o.flame);
   o.marks.source = o.track.source;
   o.marks.out = o.out + "/landmarks.json";

@@ -11,6 +11,7 @@
 #include "flame/io/landmarks.h"
 #include "flame/model.h"
 #include "flame/pose.h"
+#include "splat/base/files.h"
 #include "tests/integration/command.h"
 
 namespace cosplat {
@@ -348,6 +349,21 @@ TEST(Avatar, FromAVideoToReportAndPlayback) {
                                        "500",
                                        "--quiet"});
   EXPECT_EQ(again.code, 0) << again.err;
+}
+
+TEST(Avatar, SaysWhatIsToBeKnownOfAVideo) {
+  const TemporaryFolder folder;
+  const std::string images = folder / "images";
+  MakeDirectories(images);
+  Image8 image(96, 48, 3, 0);  // between black bars
+  for (int y = 0; y < 48; ++y)
+    for (int x = 32; x < 64; ++x)
+      for (int c = 0; c < 3; ++c) image.at(x, y, c) = uint8_t(100 + 37 * (x * y) % 90);
+  WriteImage(images + "/0.png", image);
+  const CommandResult result =
+      Cosplat({"avatar", images, "-o", folder / "me", "--landmarks", folder / "none.json"});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_NE(result.err.find("the bars beside it are left out"), std::string::npos) << result.err;
 }
 
 TEST(Avatar, NamesAVideoThatCannotBeReadBeforeAnythingElse) {
