@@ -134,6 +134,22 @@ TEST(Track, SaysThatTheImageCutsTheHeadOff) {
   EXPECT_NE(cut.out.find(said), std::string::npos) << cut.out;
 }
 
+TEST(Track, SaysFromWhereTheFaceLooksDifferent) {
+  const Filmed filmed;
+  for (size_t f = 12; f < 24; ++f) {
+    const std::string path = filmed.images + "/" + filmed.video.frames[f].name + ".png";
+    Image8 image = ReadImage(path);
+    for (size_t i = 0; i < image.data.size(); ++i)
+      if (image.channels < 4 || i % 4 < 3) image.data[i] = uint8_t(255 - image.data[i]);
+    WriteImage(path, image);
+  }
+  const CommandResult result = filmed.Track();
+  EXPECT_EQ(result.code, 0) << result.err;
+  const std::string& name = filmed.video.frames[12].name;
+  EXPECT_NE(result.out.find("From frame " + name + " on the face looks"), std::string::npos)
+      << result.out;
+}
+
 // Landmarks of a part of the frames: the lens is off its middle, and overlays are whole frames.
 TEST(Track, TracksAPartOfTheFrames) {
   Filmed filmed;
