@@ -107,9 +107,10 @@ FrameCrop CropOf(const JsonField& field, int width, int height) {
   part.x = field["x"].Integer(0, crop.frame_width - part.width);
   part.y = field["y"].Integer(0, crop.frame_height - part.height);
   crop.width = width, crop.height = height;
-  // The images' other side, if they are not stretched.
-  const double tall = double(width) * part.height / part.width;
-  if (width > part.width || std::abs(height - tall) > 1)
+  // Not stretched: one scale gives both sides, to less than a pixel.
+  const double stretched = double(width) * part.height - double(height) * part.width;
+  if (width > part.width || height > part.height ||
+      std::abs(stretched) >= double(part.width) + part.height)
     field[across].Fail(Format("is {}, of {}, which images of {} cannot be",
                               part.width,
                               SizeText(part.width, part.height),

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/expect_error.h"
+#include "tests/support/temporary_folder.h"
 
 namespace cosplat {
 namespace {
@@ -53,6 +54,22 @@ TEST(HeadCrop, OfANarrowFrameKeepsItsHeight) {
   EXPECT_EQ(crop.part.y, 20);  // not the middle: less is needed above the face
   EXPECT_NEAR(crop.width * crop.height, 512 * 512, 512);
   EXPECT_NEAR(crop.scale_x() / crop.scale_y(), 1, 2e-3);
+}
+
+// Though the sides of its image are rounded.
+TEST(HeadCrop, OfAnyShapeIsReadFromAFile) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder / "marks.json";
+  for (const int width : {101, 333, 720, 1080})
+    for (int height = 97; height < 4000; height += 389) {
+      LandmarkVideo video;
+      video.crop = HeadCrop({{FaceAt(500, 500, 4000)}}, width, height, 512);
+      video.width = video.crop->width, video.height = video.crop->height;
+      WriteLandmarks(path, video);
+      const FrameCrop read = *ReadLandmarks(path).crop;
+      EXPECT_EQ(read.part.width, width);
+      EXPECT_EQ(read.part.height, height);
+    }
 }
 
 // The lens of the part sees a point where the lens of the frame does.
