@@ -87,7 +87,7 @@ TEST(FrameSource, LeavesBarsOut) {
   const TemporaryFolder folder;
   const std::string images = folder / "images";
   MakeDirectories(images);
-  WriteImage(images + "/1.png", Image8(kWidth, kHeight, 3, 0));  // it fades in
+  WriteImage(images + "/1.png", Frame(Beside::kPicture, Beside::kPicture));  // a title
   for (const int i : {2, 3, 4})
     WriteImage(images + "/" + std::to_string(i) + ".png", Frame(Beside::kBlur, Beside::kBlur));
   FrameSource frames(images);

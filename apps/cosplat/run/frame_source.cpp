@@ -113,12 +113,12 @@ std::string FrameSource::Name(int frame) const {
   return video_ ? std::to_string(frame) : fs::path(images_.at(size_t(frame))).stem().string();
 }
 
-// One frame without bars is enough; what there are is found in three.
+// The middle without bars is enough, where no title is; what bars there are is found in three.
 Crop FrameSource::FindPicture() const {
-  std::vector<Image8> frames{ReadWhole(0)};
-  if (const auto first = PictureBetweenBars(frames); first && AreSame(*first, in_file_))
+  std::vector<Image8> frames{ReadWhole(count() / 2)};
+  if (const auto middle = PictureBetweenBars(frames); middle && AreSame(*middle, in_file_))
     return in_file_;
-  for (const int third : {1, 2}) frames.push_back(ReadWhole(third * count() / 3));
+  for (const int sixth : {1, 5}) frames.push_back(ReadWhole(sixth * count() / 6));
   return PictureBetweenBars(frames).value_or(in_file_);
 }
 

@@ -53,16 +53,12 @@ Columns ColumnsOf(const std::vector<Image8>& frames, bool transposed) {
     const Grey image = GreyOf(frame, transposed);
     columns.edge.resize(size_t(image.width)), columns.detail.resize(size_t(image.width));
     const double weight = 1.0 / (double(image.height) * double(frames.size()));
-    for (int x = 1; x + 1 < image.width; ++x) {
-      int steps = 0, sum = 0;
-      for (int y = 0; y < image.height; ++y) {
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 1; x + 1 < image.width; ++x) {
         const int left = image.at(x - 1, y), right = image.at(x + 1, y);
-        steps += std::abs(right - left) > kMinStep;
-        sum += std::abs(2 * image.at(x, y) - left - right);
+        if (std::abs(right - left) > kMinStep) columns.edge[size_t(x)] += weight;
+        columns.detail[size_t(x)] += weight * std::abs(2 * image.at(x, y) - left - right);
       }
-      columns.edge[size_t(x)] += weight * steps;
-      columns.detail[size_t(x)] += weight * sum;
-    }
   }
   return columns;
 }
