@@ -24,7 +24,8 @@ namespace fs = std::filesystem;
 
 // As many as an avatar needs, and as take minutes.
 constexpr int kChosenFrames = 400;
-// As many as play fast, unless the best is asked for: twice as many gain 0.2 dB (docs/tried.md).
+// As many as play fast, unless the best is asked for, or what others published: twice as many gain
+// 0.2 dB (docs/tried.md).
 constexpr size_t kMaxGaussiansToPlay = 12000;
 
 struct AvatarCommand : AvatarOptions {
@@ -136,10 +137,13 @@ void AddAvatar(CLI::App& app) {
   o->DeclareTraining(*command);
   command->get_option("--flame")->required(false)->description(
       "FLAME model file (.pkl or .npz), which fits people best; none: our own head");
+  command->get_option("--max-gaussians")
+      ->description("hard limit on their number; 2,000,000 for the best, and published presets");
   for (const char* of_images : {"--size", "--frames", "--matte"})
     command->get_option(of_images)->excludes(command->get_option("--landmarks"));
   command->callback([o, command, &app] {
-    if (o->quality == Quality::kBest)
+    const bool is_ours = o->preset == Preset::kCosplat || o->preset == Preset::kQuick;
+    if (o->quality == Quality::kBest || !is_ours)
       SetUnlessGiven(*command, "--max-gaussians", std::to_string(AvatarOptions().max_gaussians));
     o->Settle(*command);
     MakeAvatar(*o, ConfigOf(app, *command));
