@@ -46,20 +46,31 @@ struct Columns {
   }
 };
 
-// Means over the frames.
+Columns ColumnsOf(const Grey& image) {
+  Columns columns{std::vector<double>(size_t(image.width)),
+                  std::vector<double>(size_t(image.width))};
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 1; x + 1 < image.width; ++x) {
+      const int left = image.at(x - 1, y), right = image.at(x + 1, y);
+      if (std::abs(right - left) > kMinStep) columns.edge[size_t(x)] += 1.0 / image.height;
+      columns.detail[size_t(x)] +=
+          double(std::abs(2 * image.at(x, y) - left - right)) / image.height;
+    }
+  return columns;
+}
+
+// Medians over the frames, of which one may be a title.
 Columns ColumnsOf(const std::vector<Image8>& frames, bool transposed) {
-  Columns columns;
-  for (const Image8& frame : frames) {
-    const Grey image = GreyOf(frame, transposed);
-    columns.edge.resize(size_t(image.width)), columns.detail.resize(size_t(image.width));
-    const double weight = 1.0 / (double(image.height) * double(frames.size()));
-    for (int y = 0; y < image.height; ++y)
-      for (int x = 1; x + 1 < image.width; ++x) {
-        const int left = image.at(x - 1, y), right = image.at(x + 1, y);
-        if (std::abs(right - left) > kMinStep) columns.edge[size_t(x)] += weight;
-        columns.detail[size_t(x)] += weight * std::abs(2 * image.at(x, y) - left - right);
-      }
-  }
+  std::vector<Columns> all;
+  for (const Image8& frame : frames) all.push_back(ColumnsOf(GreyOf(frame, transposed)));
+  Columns columns = all[0];
+  for (std::vector<double> Columns::*const of : {&Columns::edge, &Columns::detail})
+    for (size_t x = 0; x < columns.edge.size(); ++x) {
+      std::vector<double> values;
+      for (const Columns& each : all) values.push_back((each.*of)[x]);
+      std::nth_element(values.begin(), values.begin() + long(values.size() / 2), values.end());
+      (columns.*of)[x] = values[values.size() / 2];
+    }
   return columns;
 }
 
