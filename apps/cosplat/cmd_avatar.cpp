@@ -142,10 +142,12 @@ void AddAvatar(CLI::App& app) {
   for (const char* of_images : {"--size", "--frames", "--matte"})
     command->get_option(of_images)->excludes(command->get_option("--landmarks"));
   command->callback([o, command, &app] {
-    const bool is_ours = o->preset == Preset::kCosplat || o->preset == Preset::kQuick;
-    if (o->quality == Quality::kBest || !is_ours)
-      SetUnlessGiven(*command, "--max-gaussians", std::to_string(AvatarOptions().max_gaussians));
     o->Settle(*command);
+    const bool is_best = o->quality == Quality::kBest;
+    const bool is_ours = o->preset == Preset::kCosplat || o->preset == Preset::kQuick;
+    const std::string unlimited = std::to_string(AvatarOptions().max_gaussians);
+    if ((is_best || !is_ours) && SetUnlessGiven(*command, "--max-gaussians", unlimited) && is_best)
+      o->settled += " --max-gaussians " + unlimited;
     MakeAvatar(*o, ConfigOf(app, *command));
   });
 }
