@@ -18,6 +18,7 @@ target_sources(cosplat_base PRIVATE
   splat/base/zip_writer_stored.cpp
   splat/media/exif.cpp
   splat/media/face_part.cpp
+  splat/media/frame_cuts.cpp
   splat/media/image_filters.cpp
   splat/media/image_filters_web.cpp
   splat/media/image_glance.cpp

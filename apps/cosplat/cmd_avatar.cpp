@@ -45,11 +45,12 @@ bool AreAsAsked(const LandmarkVideo& marks,
                 const LandmarkRunOptions& asked,
                 const FrameSource& frames) {
   const int side = std::max(frames.width(), frames.height());
-  const bool all = asked.frames == 0 || frames.count() <= asked.frames;
+  const int usable = frames.count() - marks.left_out;
+  const bool all = asked.frames == 0 || usable <= asked.frames;
   const bool whole = asked.size == 0 || side <= asked.size;
   return (marks.crop ? !whole && SidesWithin(marks.crop->part, asked.size)[0] == marks.width
                      : whole) &&
-         int(marks.frames.size()) == (all ? frames.count() : asked.frames);
+         int(marks.frames.size()) == (all ? usable : asked.frames);
 }
 
 // Landmarks that an earlier run found in this video are kept: they take longest to find. Which

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "flame/fit/face_box.h"
+
 namespace cosplat {
 namespace {
 
@@ -14,25 +16,11 @@ constexpr int kMaxGap = 12;
 // Frames that are further apart than this, and not neighbours, do not follow each other.
 constexpr double kMaxStepSeconds = 0.05;
 
-struct Box {
-  double left, top, right, bottom;
-  double size() const { return std::sqrt((right - left) * (bottom - top)); }
-};
-
-Box BoxOf(const DetectedFace& face) {
-  Box box{1e30, 1e30, -1e30, -1e30};
-  for (const auto& [x, y] : face.points) {
-    box.left = std::min(box.left, x), box.right = std::max(box.right, x);
-    box.top = std::min(box.top, y), box.bottom = std::max(box.bottom, y);
-  }
-  return box;
-}
-
-bool SameFace(const Box& a, const Box& b) {
-  const double dx = (a.left + a.right - b.left - b.right) / 2;
-  const double dy = (a.top + a.bottom - b.top - b.bottom) / 2;
+bool SameFace(const LandmarkBox& a, const LandmarkBox& b) {
+  const auto [ax, ay] = a.middle();
+  const auto [bx, by] = b.middle();
   const double larger = std::max(a.size(), b.size()), smaller = std::min(a.size(), b.size());
-  return std::hypot(dx, dy) <= kMaxStep * larger && larger <= kMaxGrowth * smaller;
+  return std::hypot(ax - bx, ay - by) <= kMaxStep * larger && larger <= kMaxGrowth * smaller;
 }
 
 double Distance(const DetectedFace& face, int i, int k) {
@@ -60,12 +48,12 @@ std::vector<double> WeightsOf(const DetectedFace& face, LandmarkSet set) {
 }
 
 // The face of `frame` that is `last`, else the largest; null if there is none.
-const DetectedFace* Choose(const LandmarkFrame& frame, const Box* last, bool& follows) {
+const DetectedFace* Choose(const LandmarkFrame& frame, const LandmarkBox* last, bool& follows) {
   const DetectedFace* chosen = nullptr;
   follows = false;
   for (const DetectedFace& face : frame.faces) {
-    const bool same = last && SameFace(*last, BoxOf(face));
-    const bool larger = !chosen || BoxOf(face).size() > BoxOf(*chosen).size();
+    const bool same = last && SameFace(*last, BoxOf(face.points));
+    const bool larger = !chosen || BoxOf(face.points).size() > BoxOf(chosen->points).size();
     if ((same && !follows) || (same == follows && larger)) chosen = &face;
     follows = follows || same;
   }
@@ -76,7 +64,7 @@ const DetectedFace* Choose(const LandmarkFrame& frame, const Box* last, bool& fo
 
 ChosenFaces ChooseFaces(const LandmarkVideo& video) {
   ChosenFaces chosen;
-  std::optional<Box> last;
+  std::optional<LandmarkBox> last;
   int gap = 0, last_frame = 0;
   size_t found = 0;
   const double rate = video.rate();
@@ -92,7 +80,7 @@ ChosenFaces ChooseFaces(const LandmarkVideo& video) {
     const int step = frame.frame - last_frame;
     const bool just_before = step == 1 || step <= kMaxStepSeconds * rate;
     chosen.cuts += last && !follows && (just_before || gap > 0);
-    const Box box = BoxOf(*face);
+    const LandmarkBox box = BoxOf(face->points);
     chosen.faces.push_back(ObservedFace{face->points,
                                         WeightsOf(*face, video.set),
                                         box.size(),

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "flame/io/landmarks.h"
-#include "splat/base/image.h"
 
 namespace cosplat {
 
@@ -21,19 +20,6 @@ struct FrameSelection {
 // at most, the second before them is left out, and the others are twice as many as will be chosen,
 // spread evenly. rate: frames per second.
 FrameSelection FramesToLookAt(size_t total, int wanted, double rate);
-
-// How sharp a face is: the mean square of its image's Laplacian, within the landmarks' extent. To
-// be compared within a video. image: 3 channels. landmarks: px.
-double SharpnessOf(const Image8& image, const std::vector<std::array<double, 2>>& landmarks);
-
-// Mean colours of the parts of a face, 4 by 4 within the landmarks' extent, one after the other: 48
-// numbers of [0, 255], or -1 for parts beyond the image. image: 3 channels. landmarks: px.
-std::vector<float> FaceColorsOf(const Image8& image,
-                                const std::vector<std::array<double, 2>>& landmarks);
-
-// Where a face looks different from there on: in another shot, of another person, in another light.
-// colors: of frames in order, FaceColorsOf. Nothing where the face changes as much all the time.
-std::vector<size_t> OtherLooks(const std::vector<std::vector<float>>& colors);
 
 // Of `seen.frames`, of which the last `seen.held_out` are kept, the others' best until there are
 // `wanted`: half of them spread evenly over the video, half each the one whose face differs most

@@ -10,6 +10,7 @@
 #include <mutex>
 
 #include "flame/eyelids.h"
+#include "flame/fit/face_box.h"
 #include "flame/fit/face_texture.h"
 #include "flame/fit/frame_priors.h"
 #include "flame/fit/hair_offset.h"
@@ -72,13 +73,11 @@ int ExpressionCount(const FlameModel& model, int at_most) {
 // Around the landmarks there are hair, neck and chest.
 FrameView ViewOf(const ObservedFace& face, const FitLens& lens) {
   constexpr double kMargin = 0.75;  // in units of the landmarks' extent
-  std::array<double, 4> box{HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-  for (const auto& [x, y] : face.points)
-    box = {std::min(box[0], x), std::min(box[1], y), std::max(box[2], x), std::max(box[3], y)};
-  const double margin = kMargin * std::max(box[2] - box[0], box[3] - box[1]);
+  const LandmarkBox box = BoxOf(face.points);
+  const double margin = kMargin * std::max(box.width(), box.height());
   FrameView view;
   view.lens = lens;
-  view.box = {box[0] - margin, box[1] - margin, box[2] + margin, box[3] + margin};
+  view.box = {box.left - margin, box.top - margin, box.right + margin, box.bottom + margin};
   view.face_size = face.size;
   return view;
 }

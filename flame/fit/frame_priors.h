@@ -3,6 +3,7 @@
 
 #include <ceres/cost_function.h>
 
+#include <cstddef>
 #include <vector>
 
 namespace cosplat::internal {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "flame/fit/face_box.h"
 #include "splat/base/error.h"
 
 namespace cosplat {
@@ -14,26 +15,9 @@ constexpr double kOutermost = 0.02;  // of the frames, at each side
 // Of what does not fit into the frame, this much is lost above.
 constexpr double kLostAbove = 0.25;
 
-struct Extent {
-  double left, top, right, bottom;
-};
-
-Extent ExtentOf(const DetectedFace& face) {
-  Extent box{HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-  for (const auto& [x, y] : face.points) {
-    box.left = std::min(box.left, x), box.right = std::max(box.right, x);
-    box.top = std::min(box.top, y), box.bottom = std::max(box.bottom, y);
-  }
-  return box;
-}
-
-double SizeOf(const Extent& box) {
-  return std::sqrt((box.right - box.left) * (box.bottom - box.top));
-}
-
-Extent WithRoom(const Extent& face) {
-  const double size = SizeOf(face);
-  const double x = (face.left + face.right) / 2, y = (face.top + face.bottom) / 2;
+LandmarkBox WithRoom(const LandmarkBox& face) {
+  const double size = face.size();
+  const auto [x, y] = face.middle();
   return {x - kAside * size, y - kAbove * size, x + kAside * size, y + kBelow * size};
 }
 
@@ -51,12 +35,7 @@ FrameCrop HeadCrop(const std::vector<std::vector<DetectedFace>>& faces,
   std::vector<double> left, top, right, bottom;
   for (const std::vector<DetectedFace>& found : faces) {
     if (found.empty()) continue;
-    std::vector<Extent> boxes;
-    for (const DetectedFace& face : found) boxes.push_back(ExtentOf(face));
-    const Extent room = WithRoom(
-        *std::max_element(boxes.begin(), boxes.end(), [](const Extent& a, const Extent& b) {
-          return SizeOf(a) < SizeOf(b);
-        }));
+    const LandmarkBox room = WithRoom(BoxOf(LargestFace(found).points));
     left.push_back(room.left), right.push_back(room.right);
     top.push_back(room.top), bottom.push_back(room.bottom);
   }

@@ -184,6 +184,7 @@ LandmarkVideo ReadLandmarks(const std::string& path) {
   const JsonField frames = file["frames"];
   for (size_t i = 0; i < frames.size(); ++i) video.frames.push_back(FrameOf(frames[i], video));
   if (file.Has("held_out")) video.held_out = file["held_out"].Integer(0, int(frames.size()));
+  if (file.Has("left_out")) video.left_out = file["left_out"].Integer();
   return video;
 }
 
@@ -199,6 +200,7 @@ void WriteLandmarks(const std::string& path, const LandmarkVideo& video) {
             {"frames", Json::array()}};
   if (video.crop) json["crop"] = CropJson(*video.crop);
   if (video.held_out > 0) json["held_out"] = video.held_out;
+  if (video.left_out > 0) json["left_out"] = video.left_out;
   for (const LandmarkFrame& frame : video.frames)
     json["frames"].push_back(FrameJson(frame, folder));
   WriteFileAtomically(path, json.dump() + "\n");

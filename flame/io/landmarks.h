@@ -66,6 +66,7 @@ struct LandmarkVideo {
   LandmarkSet set = LandmarkSet::kMediapipe478;
   std::vector<LandmarkFrame> frames;
   int held_out = 0;  // of the frames, at the end, are for testing; 0: nobody said
+  int left_out = 0;  // frames of the video that were not looked at: other shots
   // frames_per_second, or what is usual.
   double rate() const { return frames_per_second > 0 ? frames_per_second : 25; }
   // Points of every face; 0 if there is none in a set of any number.

@@ -121,6 +121,8 @@ class VideoReader {
   bool has_alpha() const;
   // What a user should know: frames scaled, packets left out, HDR.
   const std::vector<std::string>& notes() const;
+  // The frames that begin another shot, increasing (splat/media/frame_cuts.h).
+  const std::vector<int>& cuts() const;
   // RGB, or RGBA (straight) if the video has alpha; cheap for index = last + 1, whereas an earlier
   // index decodes from the start. Throws Error, also for a frame of another shape than the first.
   Image8 ReadFrame(int index);

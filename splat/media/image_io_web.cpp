@@ -143,6 +143,10 @@ const std::vector<std::string>& VideoReader::notes() const {
   static const std::vector<std::string> none;
   return none;
 }
+const std::vector<int>& VideoReader::cuts() const {
+  static const std::vector<int> none;
+  return none;
+}
 Image8 VideoReader::ReadFrame(int) { return {}; }
 
 struct VideoWriter::Impl {};

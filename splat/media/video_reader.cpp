@@ -13,6 +13,7 @@
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/text.h"
+#include "splat/media/frame_cuts.h"
 #include "splat/media/hdr.h"
 #include "splat/media/image_io.h"
 #include "splat/media/libav.h"
@@ -93,6 +94,23 @@ bool IsCombed(const AVFrame& frame) {
   return depth > 8 ? IsCombed<uint16_t>(frame, depth) : IsCombed<uint8_t>(frame, depth);
 }
 
+// Of the first component, which is brightness, or red or green; nothing of a palette's numbers.
+std::optional<BrightnessPlane> BrightnessOf(const AVFrame& frame) {
+  const AVPixFmtDescriptor* format = av_pix_fmt_desc_get(AVPixelFormat(frame.format));
+  if (format == nullptr || (format->flags & (AV_PIX_FMT_FLAG_PAL | AV_PIX_FMT_FLAG_BITSTREAM |
+                                             AV_PIX_FMT_FLAG_BE | AV_PIX_FMT_FLAG_FLOAT)) != 0)
+    return {};
+  const AVComponentDescriptor& first = format->comp[0];
+  if (first.depth > 16) return {};
+  return BrightnessPlane{frame.data[first.plane] + first.offset,
+                         frame.linesize[first.plane],
+                         first.step,
+                         first.depth,
+                         first.shift,
+                         frame.width,
+                         frame.height};
+}
+
 Image8 Turned(const Image8& image, Orientation to) {
   if (!to.exchanged && !to.columns_reversed && !to.rows_reversed) return image;
   const int n = image.channels;
@@ -150,6 +168,7 @@ struct VideoReader::Impl {
   bool interlaced = false;      // frames that say so are: their lines are of two times
   std::optional<HdrToSdr> hdr;  // what frames are read by
   std::vector<std::string> notes;
+  std::vector<int> cuts;
   std::mutex mutex;
 
   void Open();
@@ -222,6 +241,7 @@ void VideoReader::Impl::FirstPass() {
   int64_t first = AV_NOPTS_VALUE, last = AV_NOPTS_VALUE;
   std::string other_size;
   int resized = 0, damaged = 0, fields = 0, combed = 0;
+  CutFinder finder;
   while (Decode()) {
     if (count++ == 0) SetSize();
     if (frame->width != stored_width || frame->height != stored_height) {
@@ -229,6 +249,7 @@ void VideoReader::Impl::FirstPass() {
     }
     if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0) ++damaged;
     if (IsInterlaced(*frame)) ++fields, combed += IsCombed(*frame);
+    if (const auto brightness = BrightnessOf(*frame)) finder.Add(*brightness);
     const int64_t time = frame->best_effort_timestamp;
     if (time == AV_NOPTS_VALUE) continue;
     if (first == AV_NOPTS_VALUE || time < first) first = time;
@@ -236,6 +257,7 @@ void VideoReader::Impl::FirstPass() {
   }
   if (count == 0) throw Error(path, "has no frame that can be decoded");
   SetRate(first, last);
+  cuts = finder.Cuts();
   interlaced = 20 * combed > fields;
   if (interlaced)
     notes.push_back(path +
@@ -390,6 +412,7 @@ int VideoReader::frame_count() const { return impl_->count; }
 double VideoReader::frames_per_second() const { return impl_->frames_per_second; }
 bool VideoReader::has_alpha() const { return impl_->alpha; }
 const std::vector<std::string>& VideoReader::notes() const { return impl_->notes; }
+const std::vector<int>& VideoReader::cuts() const { return impl_->cuts; }
 
 Image8 VideoReader::ReadFrame(int index) {
   const std::lock_guard<std::mutex> lock(impl_->mutex);

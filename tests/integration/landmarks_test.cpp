@@ -54,6 +54,18 @@ struct Stage {
     std::ofstream(folder / "faces.json") << faces;
   }
 
+  // The same, for any number of images.
+  void NodeOfOneFace() const {
+    Node(Face());
+    Program("node",
+            "while [ \"$1\" != --frames ]; do shift; done\n"
+            "i=0; comma='['\n"
+            "while [ -e $2/$i.jpg ]; do cp '" +
+                (folder / "matte") + "' $2/$i.matte; printf \"$comma\"; comma=,; cat '" +
+                (folder / "faces.json") +
+                "'; i=$((i + 1)); done >$2/faces.json; echo ']' >>$2/faces.json");
+  }
+
   static std::string Face() {
     Json points = Json::array();
     for (int i = 0; i < 478; ++i) points.push_back({i % 30, i % 17});
@@ -120,6 +132,30 @@ TEST(Landmarks, AreThoseOfTheHeadsPart) {
   ASSERT_EQ(two.frames.size(), 2u);
   EXPECT_EQ(two.frames[1].name, "10");
   EXPECT_EQ(two.held_out, 1);
+}
+
+TEST(Landmarks, AreThoseOfShotsThatShowOnePerson) {
+  const Stage stage;
+  stage.NodeOfOneFace();
+  for (int i = 8; i < 40; ++i) {
+    const bool other = i >= 20 && i < 30;  // frames 12 to 21
+    WriteImage(stage.images + "/" + std::to_string(i) + ".png",
+               Image8(kSide, kSide, 3, other ? 180 : 90));
+  }
+  const CommandResult result = stage.Run();
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_NE(result.err.find("3 shots; 2 of them, 22 of 32 frames, show one face"),
+            std::string::npos)
+      << result.err;
+  const LandmarkVideo video = ReadLandmarks(stage.out);
+  ASSERT_EQ(video.frames.size(), 22u);
+  EXPECT_EQ(video.frames[11].name, "19");
+  EXPECT_EQ(video.frames[12].frame, 22);
+  EXPECT_EQ(video.left_out, 10);
+  ASSERT_EQ(stage.Run({"--frames", "10"}).code, 0);
+  const LandmarkVideo ten = ReadLandmarks(stage.out);
+  ASSERT_EQ(ten.frames.size(), 10u);
+  for (const LandmarkFrame& frame : ten.frames) EXPECT_TRUE(frame.frame < 12 || frame.frame >= 22);
 }
 
 TEST(Landmarks, TakeOwnMattes) {

@@ -8,6 +8,7 @@
 #include "splat/base/data_files.h"
 #include "splat/base/error.h"
 #include "splat/base/text.h"
+#include "splat/media/frame_cuts.h"
 #include "splat/media/image_io.h"
 
 namespace cosplat {
@@ -107,6 +108,18 @@ std::vector<std::string> FrameSource::notes() const {
                            picture_.y,
                            SizeText(in_file_.width, in_file_.height)));
   return notes;
+}
+
+std::vector<int> FrameSource::Cuts() const {
+  if (video_) return video_->cuts();
+  CutFinder finder;
+  for (int f = 0; f < count(); ++f) {
+    const Image8 image = ReadWhole(f);
+    const int n = image.channels, green = 1;
+    finder.Add(
+        {&image.data[green], ptrdiff_t(n) * image.width, n, 8, 0, image.width, image.height});
+  }
+  return finder.Cuts();
 }
 
 std::string FrameSource::Name(int frame) const {

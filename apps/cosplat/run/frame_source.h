@@ -33,6 +33,9 @@ class FrameSource {
   std::string Name(int frame) const;
   // What a user should know: of a video (VideoReader::notes), and of bars.
   std::vector<std::string> notes() const;
+  // The frames that begin another shot, increasing (splat/media/frame_cuts.h). Reads a folder's
+  // images.
+  std::vector<int> Cuts() const;
   // Whether the frames have alpha: all of a video, or the first image some below 255.
   bool has_alpha() const { return has_alpha_; }
   // From here on the file's frames end where this picture does.

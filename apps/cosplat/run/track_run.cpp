@@ -11,7 +11,7 @@
 #include "apps/cosplat/run/track_advice.h"
 #include "apps/cosplat/run/train_run.h"
 #include "flame/eyelids.h"
-#include "flame/fit/choose_frames.h"
+#include "flame/fit/face_looks.h"
 #include "flame/io/imavatar_writer.h"
 #include "flame/model.h"
 #include "splat/base/error.h"

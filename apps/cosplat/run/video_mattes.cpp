@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "flame/fit/face_box.h"
 #include "splat/base/error.h"
 #include "splat/base/text.h"
 
@@ -36,8 +37,6 @@ std::vector<int> PlacesOf(const std::string& path,
                      missing));
 }
 
-double AreaOf(const FaceBox& box) { return (box.right - box.left) * (box.bottom - box.top); }
-
 }  // namespace
 
 OwnMattes::OwnMattes(const std::string& path, const FrameSource& frames)
@@ -64,16 +63,9 @@ Image8 OwnMattes::Read(int frame) const {
 }
 
 std::optional<FaceBox> FaceBoxOf(const LandmarkFrame& frame) {
-  std::optional<FaceBox> largest;
-  for (const DetectedFace& face : frame.faces) {
-    FaceBox box{1e9, 1e9, -1e9, -1e9};
-    for (const auto& [x, y] : face.points) {
-      box.left = std::min(box.left, x), box.right = std::max(box.right, x);
-      box.top = std::min(box.top, y), box.bottom = std::max(box.bottom, y);
-    }
-    if (!largest || AreaOf(box) > AreaOf(*largest)) largest = box;
-  }
-  return largest;
+  if (frame.faces.empty()) return {};
+  const LandmarkBox box = BoxOf(LargestFace(frame.faces).points);
+  return FaceBox{box.left, box.top, box.right, box.bottom};
 }
 
 MatteRefiner RefinerOf(const LandmarkVideo& video,
