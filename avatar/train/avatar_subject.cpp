@@ -89,7 +89,7 @@ void AvatarSubject::WorkIn(Stream& stream) {
   // Cached on a device only, where sending takes longer than posing.
   const bool keeps = !stream.on_host() && !settings_.refine_track;
   posed_vertices_ =
-      PosedVertices(track_.frames.size(), surface.vertex_count(), keeps ? kPosedVertexBytes : 0);
+      PosedVertices(FaceCount(), surface.vertex_count(), keeps ? kPosedVertexBytes : 0);
   silhouettes_ = {};
   bust_track_.WorkIn(stream);
   light_.WorkIn(stream);
@@ -148,20 +148,29 @@ std::vector<FlameParams> AvatarSubject::RefinedTrack() const {
 
 WorldGaussians AvatarSubject::ToWorld(const Gaussians& gaussians, size_t i) {
   bound_.is_real = i < track_.frames.size();
-  bound_.index = i = FrameOf(i);
+  bound_.index = FrameOf(i);
+  const AvatarPoser::Parameters& face = FaceIn(i);
   const auto pose = [&]() -> const std::vector<float>& {
-    const std::vector<float>& vertices = track_.VerticesOf(i);
+    const std::vector<float>& vertices = track_.VerticesOf(face);
     if (!stream_->on_host()) surface_.CheckVertices(vertices);
     return vertices;
   };
-  const View<float> vertices = posed_vertices_.Of(i, pose, *stream_);
-  if (!bust_track_.empty()) bust_track_.PoseBust(i, vertices);
+  // Views of one face share its place in the cache.
+  const size_t place = i < FaceCount() ? i : bound_.index;
+  const View<float> vertices = posed_vertices_.Of(place, pose, *stream_);
+  if (!bust_track_.empty()) bust_track_.PoseBust(bound_.index, vertices);
   surface_.Pose(vertices);
-  const std::vector<float> weights = CorrectionWeights(correction_map_, track_.frames[i].params);
+  const std::vector<float> weights = CorrectionWeights(correction_map_, face);
   bound_.weights.Refill(weights.size(), *stream_);
   stream_->Send(bound_.weights.data(), weights.data(), weights.size() * sizeof(float));
   Bind(gaussians, embedded_.embedding(), surface_, bound_.posed, CurrentAppearance());
   return PosedView(gaussians, bound_.posed, settings_.color_frame);
+}
+
+size_t AvatarSubject::FaceCount() const {
+  size_t count = track_.frames.size();
+  for (const VirtualFrame& frame : virtual_frames_) count += frame.face.has_value();
+  return count;
 }
 
 Appearance AvatarSubject::CurrentAppearance() const {

@@ -120,10 +120,11 @@ struct PosedTrack {
   std::unique_ptr<AvatarPoser> poser;
 
   // [V, 3] metres; valid until the next call.
-  const std::vector<float>& VerticesOf(size_t i) {
-    poser->Forward(frames[i].params, vertices_);
+  const std::vector<float>& VerticesOf(const AvatarPoser::Parameters& face) {
+    poser->Forward(face, vertices_);
     return vertices_;
   }
+  const std::vector<float>& VerticesOf(size_t i) { return VerticesOf(frames[i].params); }
 
  private:
   std::vector<float> vertices_;
@@ -160,7 +161,7 @@ class AvatarSubject : public Subject {
   const TrackedVideo& video() const { return video_; }
   // In the memory of the current stream.
   const Surface& surface() const { return surface_; }
-  size_t virtual_view_count() const { return virtual_sources_.size(); }
+  size_t virtual_view_count() const { return virtual_frames_.size(); }
   // Whether the frames say where the person is.
   bool IsMasked() const;
   bool has_bust() const { return subject_.bust.has_value(); }
@@ -169,7 +170,7 @@ class AvatarSubject : public Subject {
   // The training frames' parameters as refined so far; without --refine-track, those of the track.
   std::vector<FlameParams> RefinedTrack() const;
 
-  // Training frames, then virtual views.
+  // Training frames, then virtual ones: other faces first.
   size_t frame_count() const override { return frames_.size(); }
   const TrainFrame& frame(size_t i) const override { return frames_[i]; }
   bool IsGuess(size_t i) const override { return i >= track_.frames.size(); }
@@ -212,15 +213,24 @@ class AvatarSubject : public Subject {
   MeshInFrame MeshIn(size_t frame);
   void AddVirtualViews();
   void AddWideViews(const PaintedMesh& painted, size_t count, std::vector<TrainFrame>& views);
+  void AddVirtualFaces(const PaintedMesh& painted, size_t count);
   Appearance CurrentAppearance() const;
   void BuildMesh();
   void SetFaceRates();
   void SetSpacing(Gaussians& gaussians);
   // The training frame whose head frame(i) shows.
   size_t FrameOf(size_t i) const {
-    return i < track_.frames.size() ? i : virtual_sources_[i - track_.frames.size()];
+    return i < track_.frames.size() ? i : virtual_frames_[i - track_.frames.size()].source;
+  }
+  // What its face is in frame(i).
+  const AvatarPoser::Parameters& FaceIn(size_t i) const {
+    return i >= track_.frames.size() && i < FaceCount()
+               ? *virtual_frames_[i - track_.frames.size()].face
+               : track_.frames[FrameOf(i)].params;
   }
   bool IsOurs() const { return settings_.system == AvatarSystem::kCosplat; }
+  // Training frames, and those that have a face of their own.
+  size_t FaceCount() const;
   // One Adam step on the parameters of the current frame. d_vertices: in host memory.
   void RefineFrame(View<const float> d_vertices);
   // Silhouette of the mesh in the k-th frame that is searched for holes.
@@ -230,10 +240,14 @@ class AvatarSubject : public Subject {
   TrackedVideo video_;
   AvatarSettings settings_;
   SubjectMesh subject_;
-  std::vector<TrainFrame> frames_;  // the training frames, then virtual views
+  std::vector<TrainFrame> frames_;  // the training frames, then virtual ones
   FilmedFrom filmed_;
   std::vector<uint8_t> beyond_frames_;  // [F] faces that are far beyond all frames, or empty
-  std::vector<size_t> virtual_sources_;
+  struct VirtualFrame {
+    size_t source = 0;                            // training frame
+    std::optional<AvatarPoser::Parameters> face;  // where it is not the source's
+  };
+  std::vector<VirtualFrame> virtual_frames_;
   PosedTrack track_;
   std::vector<float> face_rates_;  // [F] factors on the learning rates of du and dv on each face
   CorrectionMap correction_map_;

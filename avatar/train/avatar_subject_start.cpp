@@ -12,6 +12,7 @@
 #include "avatar/surface/silhouette.h"
 #include "avatar/train/avatar_subject.h"
 #include "avatar/train/painted_mesh.h"
+#include "avatar/train/virtual_faces.h"
 #include "avatar/train/virtual_views.h"
 #include "flame/mouth.h"
 #include "splat/base/error.h"
@@ -72,7 +73,7 @@ AvatarSubject::AvatarSubject(const FlameModel& flame,
   if (IsOurs() && settings_.light_rate > 0) StartLight();
   SetFaceRates();
   AddVirtualViews();
-  posed_vertices_ = PosedVertices(track_.frames.size(), surface_.vertex_count(), 0);
+  posed_vertices_ = PosedVertices(FaceCount(), surface_.vertex_count(), 0);
 }
 
 // du and dv have the learning rate of d in metres: a barycentric unit is about sqrt(2 A) long. For
@@ -208,7 +209,8 @@ void AvatarSubject::AddVirtualViews() {
   tbb::parallel_for(size_t(0), views.size(), [&](size_t k) {
     seen[k] = ToVirtualView(views[k], sources[k], painted);
   });
-  for (const VirtualView& view : views) virtual_sources_.push_back(view.source);
+  AddVirtualFaces(painted, count);
+  for (const VirtualView& view : views) virtual_frames_.push_back({view.source, {}});
   AddWideViews(painted, count / kVirtualPerWide, seen);
   std::move(seen.begin(), seen.end(), std::back_inserter(frames_));
 }
@@ -226,7 +228,7 @@ void AvatarSubject::AddWideViews(const PaintedMesh& painted,
   std::vector<size_t> sources;
   std::vector<uint8_t> in_frame(surface_.vertex_count(), 0);
   bool is_cut = false;
-  for (size_t i = 0; i < frames_.size(); ++i) {
+  for (size_t i = 0; i < track_.frames.size(); ++i) {
     const Camera& camera = frames_[i].camera;
     const MeshInFrame seen = MeshIn(i);
     for (size_t v = 0; v < in_frame.size(); ++v)
@@ -245,7 +247,32 @@ void AvatarSubject::AddWideViews(const PaintedMesh& painted,
   for (size_t k = 0; k < count; ++k) {
     const size_t of = k * bodies.size() / count;
     views.push_back(ToWideView(bodies[of], box, painted.scale()));
-    virtual_sources_.push_back(sources[of]);
+    virtual_frames_.push_back({sources[of], {}});
+  }
+}
+
+void AvatarSubject::AddVirtualFaces(const PaintedMesh& painted, size_t count) {
+  std::vector<AvatarPoser::Parameters> track;
+  std::vector<Camera> cameras;
+  for (size_t i = 0; i < track_.frames.size(); ++i) {
+    track.push_back(track_.frames[i].params);
+    cameras.push_back(frames_[i].camera);
+  }
+  const VirtualFaces chosen = ChooseVirtualFaces(flame_, *track_.poser, track, cameras, count);
+  std::vector<MeshInFrame> sources;
+  std::vector<std::vector<float>> vertices;
+  for (const VirtualFace& face : chosen.faces) {
+    sources.push_back(MeshIn(face.source));
+    vertices.push_back(track_.VerticesOf(face.params));
+  }
+  std::vector<std::optional<TrainFrame>> shown(sources.size());
+  tbb::parallel_for(size_t(0), sources.size(), [&](size_t k) {
+    shown[k] = ToVirtualFace(sources[k], vertices[k], chosen.known, painted);
+  });
+  for (size_t k = 0; k < shown.size(); ++k) {
+    if (!shown[k]) continue;
+    frames_.push_back(std::move(*shown[k]));
+    virtual_frames_.push_back({chosen.faces[k].source, chosen.faces[k].params});
   }
 }
 

@@ -27,6 +27,8 @@ constexpr float kOtherSide = 0.1f;  // what a colour from the other side of the 
 // metres for a scale of 1.
 constexpr double kBeyondReach = 0.003;
 constexpr float kGlasses = 0.008f;
+// The inside of a mouth beside the lips.
+constexpr float kDark = 0.2f;
 
 float PixelsPerMetre(const MeshInFrame& shown, const Camera& camera) {
   const size_t count = shown.vertices.size() / 3;
@@ -67,6 +69,9 @@ PaintedMesh::PaintedMesh(const FlameModel& flame,
                          const std::vector<MeshInFrame>& frames,
                          float scale)
     : faces_(mesh.faces),
+      mouth_begin_(size_t(flame.own_vertex_count())),
+      bowl_begin_(size_t(flame.vertex_count - flame.mouth.bowl)),
+      mouth_end_(size_t(flame.vertex_count)),
       scale_(scale),
       regions_(FindHeadRegions(flame, mesh)),
       hair_(FindHairShell(frames, faces_, regions_, scale)) {
@@ -117,6 +122,7 @@ void PaintedMesh::LearnColors(const std::vector<MeshInFrame>& frames) {
   for (size_t v = 0; v < count; ++v)
     if (sums[v] > 0) colors_[v] = colors_[v] * (1 / sums[v]);
   GuessColors(best);
+  PaintMouth(best);
   MeasureGuesses(best);
 }
 
@@ -132,6 +138,22 @@ void PaintedMesh::MeasureGuesses(const std::vector<float>& best) {
     for (const size_t v : {a, b, c}) guessed += best[v] < kKnown ? area / 3 : 0;
   }
   guessed_share_ = all > 0 ? float(guessed / all) : 0;
+}
+
+// No light reaches it. What frames show between lips that are nearly shut is teeth or lips, even
+// where the mesh has neither.
+void PaintedMesh::PaintMouth(const std::vector<float>& best) {
+  std::vector<size_t> face;
+  for (size_t v = 0; v < mouth_begin_; ++v)
+    if (best[v] >= kKnown) face.push_back(v);
+  if (face.empty()) return;
+  for (size_t v = bowl_begin_; v < mouth_end_; ++v) {
+    const auto distance = [&](size_t k) {
+      const Vec3<float> d = regions_.rest[v] - regions_.rest[k];
+      return std::sqrt(math::Dot(d, d));
+    };
+    colors_[v] = Nearby(face, colors_, kColorKernel * regions_.unit, distance) * kDark;
+  }
 }
 
 // Hair from hair, cloth of the bust from the bust, and all else from what is near, on either side.

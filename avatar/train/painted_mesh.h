@@ -36,6 +36,15 @@ class PaintedMesh {
 
   // Of the point that a pixel shows, [0, 255].
   math::Vec3<float> ColorAt(const MeshPixel& at) const { return Mixed(colors_, at); }
+  // Whether it is of the mouth's inside, teeth or what is behind them; of the latter
+  // (flame/mouth.h).
+  bool IsInMouth(const MeshPixel& at) const {
+    const size_t v = size_t(faces_[size_t(at.face)][0]);
+    return mouth_begin_ <= v && v < mouth_end_;
+  }
+  bool IsBehindTeeth(const MeshPixel& at) const {
+    return IsInMouth(at) && size_t(faces_[size_t(at.face)][0]) >= bowl_begin_;
+  }
   // 1 where some frame's image has the point in it, falling to 0 beyond where all of them end.
   float InFrameAt(const MeshPixel& at) const { return Mixed(in_frame_, at); }
   // About the middle of the neck.
@@ -55,10 +64,13 @@ class PaintedMesh {
   void LearnColors(const std::vector<MeshInFrame>& frames);
   // best: [V] the largest weight with which a frame shows the vertex.
   void GuessColors(const std::vector<float>& best);
+  // What is behind the teeth: dark.
+  void PaintMouth(const std::vector<float>& best);
   void MeasureGuesses(const std::vector<float>& best);
   void LearnReach(const std::vector<MeshInFrame>& frames);
 
   Faces faces_;
+  size_t mouth_begin_, bowl_begin_, mouth_end_;  // vertices
   float scale_, guessed_share_ = 0;
   HeadRegions regions_;
   std::vector<float> hair_;                // [V] metres along the normal
