@@ -1,5 +1,7 @@
 #include "apps/cosplat/run/frame_source.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
@@ -112,12 +114,20 @@ std::vector<std::string> FrameSource::notes() const {
 
 std::vector<int> FrameSource::Cuts() const {
   if (video_) return video_->cuts();
+  constexpr int kAtOnce = 16;
   CutFinder finder;
-  for (int f = 0; f < count(); ++f) {
-    const Image8 image = ReadWhole(f);
-    const int n = image.channels, green = 1;
-    finder.Add(
-        {&image.data[green], ptrdiff_t(n) * image.width, n, 8, 0, image.width, image.height});
+  for (int begin = 0; begin < count(); begin += kAtOnce) {
+    std::vector<Image8> images(size_t(std::min(kAtOnce, count() - begin)));
+    tbb::parallel_for(
+        size_t(0), images.size(), [&](size_t i) { images[i] = ReadWhole(begin + int(i)); });
+    for (const Image8& image : images)
+      finder.Add({&image.data[1],  // green
+                  ptrdiff_t(image.channels) * image.width,
+                  image.channels,
+                  8,
+                  0,
+                  image.width,
+                  image.height});
   }
   return finder.Cuts();
 }
