@@ -27,6 +27,8 @@ constexpr size_t kPaintFrames = 40;
 
 // Virtual views of a short video; and for how many there is a wide one.
 constexpr size_t kFewestViews = 6, kVirtualPerWide = 3;
+// Faces with an open mouth, at most: however long a video is, there are no more kinds of them.
+constexpr size_t kMostFaces = 200;
 
 constexpr float kInitialOpacity = 0.1f;  // SplattingAvatar
 
@@ -209,7 +211,7 @@ void AvatarSubject::AddVirtualViews() {
   tbb::parallel_for(size_t(0), views.size(), [&](size_t k) {
     seen[k] = ToVirtualView(views[k], sources[k], painted);
   });
-  AddVirtualFaces(painted, count);
+  AddVirtualFaces(painted, std::min(count, kMostFaces));
   for (const VirtualView& view : views) virtual_frames_.push_back({view.source, {}});
   AddWideViews(painted, count / kVirtualPerWide, seen);
   std::move(seen.begin(), seen.end(), std::back_inserter(frames_));
