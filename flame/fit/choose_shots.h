@@ -4,6 +4,7 @@
 // ShotsAlike.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 namespace cosplat {
