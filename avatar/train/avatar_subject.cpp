@@ -167,12 +167,6 @@ WorldGaussians AvatarSubject::ToWorld(const Gaussians& gaussians, size_t i) {
   return PosedView(gaussians, bound_.posed, settings_.color_frame);
 }
 
-size_t AvatarSubject::FaceCount() const {
-  size_t count = track_.frames.size();
-  for (const VirtualFrame& frame : virtual_frames_) count += frame.face.has_value();
-  return count;
-}
-
 Appearance AvatarSubject::CurrentAppearance() const {
   return {bound_.weights.view(), light_.light(), light_.mean()};
 }

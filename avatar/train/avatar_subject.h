@@ -24,6 +24,7 @@
 #include "avatar/train/mesh_in_frame.h"
 #include "avatar/train/posed_vertices.h"
 #include "avatar/train/refined_frame.h"
+#include "avatar/train/virtual_faces.h"
 #include "flame/model.h"
 #include "flame/track.h"
 #include "splat/render/device.h"
@@ -161,7 +162,7 @@ class AvatarSubject : public Subject {
   const TrackedVideo& video() const { return video_; }
   // In the memory of the current stream.
   const Surface& surface() const { return surface_; }
-  size_t virtual_view_count() const { return virtual_frames_.size(); }
+  size_t virtual_view_count() const { return other_faces_.size() + view_sources_.size(); }
   // Whether the frames say where the person is.
   bool IsMasked() const;
   bool has_bust() const { return subject_.bust.has_value(); }
@@ -170,7 +171,7 @@ class AvatarSubject : public Subject {
   // The training frames' parameters as refined so far; without --refine-track, those of the track.
   std::vector<FlameParams> RefinedTrack() const;
 
-  // Training frames, then virtual ones: other faces first.
+  // Training frames, then virtual ones: other faces, then other views.
   size_t frame_count() const override { return frames_.size(); }
   const TrainFrame& frame(size_t i) const override { return frames_[i]; }
   bool IsGuess(size_t i) const override { return i >= track_.frames.size(); }
@@ -220,17 +221,19 @@ class AvatarSubject : public Subject {
   void SetSpacing(Gaussians& gaussians);
   // The training frame whose head frame(i) shows.
   size_t FrameOf(size_t i) const {
-    return i < track_.frames.size() ? i : virtual_frames_[i - track_.frames.size()].source;
+    return i < track_.frames.size() ? i
+           : i < FaceCount()        ? other_faces_[i - track_.frames.size()].source
+                                    : view_sources_[i - FaceCount()];
   }
   // What its face is in frame(i).
   const AvatarPoser::Parameters& FaceIn(size_t i) const {
     return i >= track_.frames.size() && i < FaceCount()
-               ? *virtual_frames_[i - track_.frames.size()].face
+               ? other_faces_[i - track_.frames.size()].params
                : track_.frames[FrameOf(i)].params;
   }
   bool IsOurs() const { return settings_.system == AvatarSystem::kCosplat; }
   // Training frames, and those that have a face of their own.
-  size_t FaceCount() const;
+  size_t FaceCount() const { return track_.frames.size() + other_faces_.size(); }
   // One Adam step on the parameters of the current frame. d_vertices: in host memory.
   void RefineFrame(View<const float> d_vertices);
   // Silhouette of the mesh in the k-th frame that is searched for holes.
@@ -243,11 +246,8 @@ class AvatarSubject : public Subject {
   std::vector<TrainFrame> frames_;  // the training frames, then virtual ones
   FilmedFrom filmed_;
   std::vector<uint8_t> beyond_frames_;  // [F] faces that are far beyond all frames, or empty
-  struct VirtualFrame {
-    size_t source = 0;                            // training frame
-    std::optional<AvatarPoser::Parameters> face;  // where it is not the source's
-  };
-  std::vector<VirtualFrame> virtual_frames_;
+  std::vector<VirtualFace> other_faces_;
+  std::vector<size_t> view_sources_;  // training frames
   PosedTrack track_;
   std::vector<float> face_rates_;  // [F] factors on the learning rates of du and dv on each face
   CorrectionMap correction_map_;

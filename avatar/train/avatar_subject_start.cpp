@@ -12,7 +12,6 @@
 #include "avatar/surface/silhouette.h"
 #include "avatar/train/avatar_subject.h"
 #include "avatar/train/painted_mesh.h"
-#include "avatar/train/virtual_faces.h"
 #include "avatar/train/virtual_views.h"
 #include "flame/mouth.h"
 #include "splat/base/error.h"
@@ -212,7 +211,7 @@ void AvatarSubject::AddVirtualViews() {
     seen[k] = ToVirtualView(views[k], sources[k], painted);
   });
   AddVirtualFaces(painted, std::min(count, kMostFaces));
-  for (const VirtualView& view : views) virtual_frames_.push_back({view.source, {}});
+  for (const VirtualView& view : views) view_sources_.push_back(view.source);
   AddWideViews(painted, count / kVirtualPerWide, seen);
   std::move(seen.begin(), seen.end(), std::back_inserter(frames_));
 }
@@ -249,7 +248,7 @@ void AvatarSubject::AddWideViews(const PaintedMesh& painted,
   for (size_t k = 0; k < count; ++k) {
     const size_t of = k * bodies.size() / count;
     views.push_back(ToWideView(bodies[of], box, painted.scale()));
-    virtual_frames_.push_back({sources[of], {}});
+    view_sources_.push_back(sources[of]);
   }
 }
 
@@ -274,7 +273,7 @@ void AvatarSubject::AddVirtualFaces(const PaintedMesh& painted, size_t count) {
   for (size_t k = 0; k < shown.size(); ++k) {
     if (!shown[k]) continue;
     frames_.push_back(std::move(*shown[k]));
-    virtual_frames_.push_back({chosen.faces[k].source, chosen.faces[k].params});
+    other_faces_.push_back(chosen.faces[k]);
   }
 }
 

@@ -1,6 +1,7 @@
 // The posed mesh in a training frame: what the frame shows of which of its points.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -33,6 +34,9 @@ size_t PixelOf(const Camera& camera, const ImagePoint& at);
 
 // The cosine at which a surface faces the camera.
 float Facing(const Camera& camera, const math::Vec3<float>& point, const math::Vec3<float>& normal);
+
+// Of a colour's [0, 255].
+inline uint8_t ToByte(float value) { return uint8_t(std::clamp(value + 0.5f, 0.0f, 255.0f)); }
 
 // A frame's colours, to be looked up by points of the mesh.
 class FrameOnMesh {

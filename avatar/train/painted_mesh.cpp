@@ -100,6 +100,17 @@ MeshInFrame PaintedMesh::WithHair(const MeshInFrame& seen) const {
   return moved;
 }
 
+Vec3<float> PaintedMesh::ColorIn(const MeshInFrame& seen,
+                                 const FrameOnMesh& shown,
+                                 const MeshPixel& at) const {
+  const std::array<int32_t, 3>& f = faces_[size_t(at.face)];
+  const Vec3<float> a = seen.Vertex(size_t(f[0])), b = seen.Vertex(size_t(f[1])),
+                    c = seen.Vertex(size_t(f[2]));
+  const FrameOnMesh::Sample sample =
+      shown.At(a * at.u + b * at.v + c * (1 - at.u - at.v), math::Cross(b - a, c - a));
+  return sample.color * sample.weight + ColorAt(at) * (1 - sample.weight);
+}
+
 void PaintedMesh::LearnColors(const std::vector<MeshInFrame>& frames) {
   const size_t count = regions_.rest.size();
   colors_.assign(count, {0, 0, 0});

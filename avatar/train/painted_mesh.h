@@ -36,6 +36,10 @@ class PaintedMesh {
 
   // Of the point that a pixel shows, [0, 255].
   math::Vec3<float> ColorAt(const MeshPixel& at) const { return Mixed(colors_, at); }
+  // The same as `seen` has it, as far as it shows that point. shown: of `seen`.
+  math::Vec3<float> ColorIn(const MeshInFrame& seen,
+                            const FrameOnMesh& shown,
+                            const MeshPixel& at) const;
   // Whether it is of the mouth's inside, teeth or what is behind them; of the latter
   // (flame/mouth.h).
   bool IsInMouth(const MeshPixel& at) const {

@@ -4,15 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "splat/base/rng.h"
 #include "splat/media/signed_distance.h"
 
 namespace cosplat {
 namespace {
-
-using math::Vec3;
 
 // How far the jaw is open at most, radians; and how the expression differs from the frame's,
 // standard deviations.
@@ -32,8 +29,9 @@ Camera AtMost(const Camera& camera, int side) {
 
 // How far each pixel that shows the inside of the mouth is from the lips, metres; elsewhere not
 // above 0.
+template <class IsInside>
 Image FromLips(const std::vector<MeshPixel>& mesh,
-               const std::function<bool(const MeshPixel&)>& is_inside,
+               const IsInside& is_inside,
                const Camera& camera) {
   Image8 mask(camera.width, camera.height, 1);
   double depth = 0;
@@ -86,17 +84,6 @@ VirtualFace Candidate(const FlameModel& flame,
   return face;
 }
 
-Vec3<float> PointAt(const MeshInFrame& of, const Faces& faces, const MeshPixel& at) {
-  const std::array<int32_t, 3>& f = faces[size_t(at.face)];
-  return of.Vertex(size_t(f[0])) * at.u + of.Vertex(size_t(f[1])) * at.v +
-         of.Vertex(size_t(f[2])) * (1 - at.u - at.v);
-}
-Vec3<float> NormalAt(const MeshInFrame& of, const Faces& faces, const MeshPixel& at) {
-  const std::array<int32_t, 3>& f = faces[size_t(at.face)];
-  const Vec3<float> a = of.Vertex(size_t(f[0]));
-  return math::Cross(of.Vertex(size_t(f[1])) - a, of.Vertex(size_t(f[2])) - a);
-}
-
 }  // namespace
 
 VirtualFaces ChooseVirtualFaces(const FlameModel& flame,
@@ -145,14 +132,9 @@ std::optional<TrainFrame> ToVirtualFace(const MeshInFrame& source,
     if (at.face < 0 || from < -kLips * painted.scale()) continue;
     const bool inside = painted.IsInMouth(at);
     if (inside && (from <= known || !painted.IsBehindTeeth(at))) continue;
-    Vec3<float> color = painted.ColorAt(at);
-    if (!inside) {
-      const FrameOnMesh::Sample sample =
-          shown.At(PointAt(source, painted.faces(), at), NormalAt(source, painted.faces(), at));
-      color = sample.color * sample.weight + color * (1 - sample.weight);
-    }
-    for (int k = 0; k < 3; ++k)
-      frame.target.data[4 * i + size_t(k)] = uint8_t(std::clamp(color[k] + 0.5f, 0.0f, 255.0f));
+    const math::Vec3<float> color =
+        inside ? painted.ColorAt(at) : painted.ColorIn(source, shown, at);
+    for (int k = 0; k < 3; ++k) frame.target.data[4 * i + size_t(k)] = ToByte(color[k]);
     frame.ignored.data[i] = 0;
   }
   return frame;

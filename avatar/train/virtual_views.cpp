@@ -91,8 +91,6 @@ Camera Around(const HeadInFrame& frame, const HeadDirection& to) {
   return camera;
 }
 
-uint8_t ToByte(float value) { return uint8_t(std::clamp(value + 0.5f, 0.0f, 255.0f)); }
-
 }  // namespace
 
 FilmedFrom FilmedFromOf(const std::vector<HeadInFrame>& frames) {
@@ -146,13 +144,7 @@ TrainFrame ToVirtualView(const VirtualView& view,
   for (size_t i = 0; i < mesh.size(); ++i) {
     const MeshPixel& at = mesh[i];
     if (at.face < 0) continue;
-    const std::array<int32_t, 3>& f = painted.faces()[size_t(at.face)];
-    const Vec3<float> a = with_hair.Vertex(size_t(f[0])), b = with_hair.Vertex(size_t(f[1])),
-                      c = with_hair.Vertex(size_t(f[2]));
-    const FrameOnMesh::Sample sample =
-        shown.At(a * at.u + b * at.v + c * (1 - at.u - at.v), math::Cross(b - a, c - a));
-    const Vec3<float> color =
-        sample.color * sample.weight + painted.ColorAt(at) * (1 - sample.weight);
+    const Vec3<float> color = painted.ColorIn(with_hair, shown, at);
     for (int k = 0; k < 3; ++k) frame.target.data[4 * i + size_t(k)] = ToByte(color[k]);
     frame.target.data[4 * i + 3] = ToByte(255 * painted.InFrameAt(at));
   }

@@ -65,7 +65,7 @@ void AvatarOptions::DeclareTraining(CLI::App& command) {
       .add_option("--virtual-views",
                   avatar.virtual_views,
                   "share of the second half's steps in which the mesh says how the head looks from "
-                  "where no camera was; 0: none")
+                  "where no camera was, and in as many with its mouth open; 0: none")
       ->check(CLI::Range(0.0, 0.5));
   command
       .add_option("--corrections",
