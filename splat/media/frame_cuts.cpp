@@ -7,9 +7,9 @@
 namespace cosplat {
 namespace {
 
-constexpr int kSamples = 8;    // of a cell, across, and down
-constexpr size_t kWindow = 6;  // frames to either side
-constexpr float kMinChange = 3, kTimesUsual = 4;
+constexpr int kSamples = 8;     // of a cell, across, and down
+constexpr size_t kWindow = 20;  // changes, around the one that is judged
+constexpr float kMinChange = 3, kTimesUsual = 5;
 
 float BrightnessAt(const BrightnessPlane& plane, int x, int y) {
   const uint8_t* const at = plane.data + y * plane.row + x * plane.step;
@@ -43,11 +43,18 @@ void CutFinder::Add(const BrightnessPlane& plane) {
 std::vector<int> CutFinder::Cuts() const {
   std::vector<int> cuts;
   for (size_t i = 0; i < changes_.size(); ++i) {
-    const size_t from = i - std::min(i, kWindow), to = std::min(i + kWindow + 1, changes_.size());
-    float others = 0;
-    for (size_t k = from; k < to; ++k) others += k == i ? 0 : changes_[k];
-    others /= float(std::max<size_t>(1, to - from - 1));
-    if (changes_[i] > std::max(kMinChange, kTimesUsual * others)) cuts.push_back(int(i) + 1);
+    const size_t last_from = changes_.size() - std::min(changes_.size(), kWindow + 1);
+    const size_t from = std::min(i - std::min(i, kWindow / 2), last_from);
+    const size_t to = std::min(from + kWindow + 1, changes_.size());
+    // The second largest: there may be one other cut. Of frames that are shown several times most
+    // changes are none.
+    float largest = 0, usual = 0;
+    for (size_t k = from; k < to; ++k) {
+      if (k == i) continue;
+      usual = std::max(usual, std::min(largest, changes_[k]));
+      largest = std::max(largest, changes_[k]);
+    }
+    if (changes_[i] > std::max(kMinChange, kTimesUsual * usual)) cuts.push_back(int(i) + 1);
   }
   return cuts;
 }

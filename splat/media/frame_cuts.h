@@ -18,9 +18,9 @@ struct BrightnessPlane {
   int width = 0, height = 0;
 };
 
-// Frames are given in order. A cut is where the picture changes several times as much as in the
-// frames around it: what moves, changes in these, too. A sudden light, a title that appears count
-// as cuts; one picture that fades into another does not.
+// Frames are given in order. A cut is where the picture changes several times as much as from any
+// frame around it to the next, but one: what moves, changes there, too. A sudden light, a title
+// that appears count as cuts; one picture that fades into another does not.
 class CutFinder {
  public:
   void Add(const BrightnessPlane& plane);

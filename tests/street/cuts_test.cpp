@@ -44,6 +44,9 @@ TEST(Cuts, AreWhereThePictureChangesAtOnce) {
   EXPECT_EQ(CutsOf(40, [](int i) { return Frame(i < 17 ? 20 : 44, 12, i); }), std::vector<int>{17});
   EXPECT_EQ(CutsOf(40, [](int i) { return Frame(32, i < 20 ? 14 : 20, i); }), std::vector<int>{20})
       << "nearer";
+  EXPECT_EQ(CutsOf(40, [](int i) { return Frame(i < 17 || i >= 21 ? 20 : 44, 12, i); }),
+            (std::vector<int>{17, 21}))
+      << "soon again";
   EXPECT_EQ(CutsOf(40, [](int i) { return Frame(30, i < 3 || i > 36 ? 6 : 25, i); }),
             (std::vector<int>{3, 37}))
       << "near the ends";
@@ -55,6 +58,10 @@ TEST(Cuts, AreNotWhereItMoves) {
   EXPECT_EQ(CutsOf(40, [](int i) { return Frame(32 + 20 * std::sin(0.8 * i), 12, i); }), none)
       << "shaken";
   EXPECT_EQ(CutsOf(40, [](int i) { return Frame(32, 5 + 0.5 * i, i); }), none) << "zoomed";
+  // A camera of five frames a second in a file of 25 or 30.
+  for (const int held : {3, 5, 6})
+    EXPECT_EQ(CutsOf(60, [&](int i) { return Frame(12 + 4 * (i / held), 12, i / held); }), none)
+        << held;
   EXPECT_EQ(CutsOf(2, [](int i) { return Frame(32, 12, i); }), none);
   EXPECT_EQ(CutsOf(0, [](int) { return Image8(); }), none);
 }
