@@ -81,7 +81,7 @@ void FrameSource::Open(const std::string& path) {
     const Image8 first = video_->ReadFrame(0);
     width_ = first.width, height_ = first.height;
     frames_per_second_ = video_->frames_per_second();
-    has_alpha_ = video_->has_alpha();
+    has_alpha_ = video_->has_alpha() && ShowsThrough();
     return;
   }
   images_ = ImagesIn(path);
@@ -95,8 +95,17 @@ void FrameSource::Open(const std::string& path) {
                       ", the images before it are " + std::to_string(width_) + "x" +
                       std::to_string(height_));
   }
-  const Image8 alpha = AlphaOf(ReadUpright(images_[0]));
-  has_alpha_ = std::any_of(alpha.data.begin(), alpha.data.end(), [](uint8_t a) { return a < 255; });
+  has_alpha_ = ShowsThrough();
+}
+
+// An alpha that is opaque everywhere is that of a format, as GIF's and a screenshot's.
+bool FrameSource::ShowsThrough() const {
+  for (const int frame : {0, count() / 2, count() - 1}) {
+    const Image8 alpha =
+        AlphaOf(video_ ? video_->ReadFrame(frame) : ReadUpright(images_.at(size_t(frame))));
+    if (*std::min_element(alpha.data.begin(), alpha.data.end()) < 128) return true;
+  }
+  return false;
 }
 
 int FrameSource::count() const { return video_ ? video_->frame_count() : int(images_.size()); }

@@ -36,7 +36,7 @@ class FrameSource {
   // The frames that begin another shot, increasing (splat/media/frame_cuts.h). Reads a folder's
   // images.
   std::vector<int> Cuts() const;
-  // Whether the frames have alpha: all of a video, or the first image some below 255.
+  // Whether the frames have an alpha that is not opaque everywhere, in three of them.
   bool has_alpha() const { return has_alpha_; }
   // From here on the file's frames end where this picture does.
   void EndAt(const Crop& picture);
@@ -62,6 +62,7 @@ class FrameSource {
   mutable std::mutex mutex_;
 
   void Open(const std::string& path);
+  bool ShowsThrough() const;
   bool HasBars() const;
   Crop FindPicture() const;
   Image8 ReadAll(int frame) const;
