@@ -73,23 +73,27 @@ void WriteMattes(const LandmarkRunOptions& o,
     frame.matte = to + "/" + frame.name + ".png";
     WriteImage(frame.matte, matte);
   };
-  if (own || frames.has_alpha()) {  // a video is read in its order
-    for (int i = 0; i < count; ++i) {
-      const int f = video.frames[size_t(i)].frame;
-      write(i, own ? own->Read(f) : frames.Alpha(f));
-      bar.Update(i + 1, "frames");
+  std::vector<int> left;             // without one
+  for (int i = 0; i < count; ++i) {  // a video is read in its order
+    const int f = video.frames[size_t(i)].frame;
+    if (const std::optional<Image8> matte = own ? own->Read(f) : frames.Matte(f)) {
+      write(i, *matte);
+      bar.Update(i + 1 - int(left.size()), "frames");
+    } else {
+      left.push_back(i);
     }
-    return;
   }
+  if (left.empty()) return;
   const MatteRefiner refiner = RefinerOf(
       video,
       [&](int i) { return detector.Added(found_as[size_t(i)]); },
       [&](int i) { return detector.Matte(found_as[size_t(i)]); });
-  constexpr int kAtOnce = 16;
-  for (int begin = 0; begin < count; begin += kAtOnce) {
-    const int end = std::min(begin + kAtOnce, count);
-    tbb::parallel_for(begin, end, [&](int i) { write(i, refiner.Refine(i)); });
-    bar.Update(end, "frames");
+  constexpr size_t kAtOnce = 16;
+  const size_t done = size_t(count) - left.size();
+  for (size_t begin = 0; begin < left.size(); begin += kAtOnce) {
+    const size_t end = std::min(begin + kAtOnce, left.size());
+    tbb::parallel_for(begin, end, [&](size_t k) { write(left[k], refiner.Refine(left[k])); });
+    bar.Update(int(done + end), "frames");
   }
 }
 

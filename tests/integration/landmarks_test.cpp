@@ -158,6 +158,28 @@ TEST(Landmarks, AreThoseOfShotsThatShowOnePerson) {
   for (const LandmarkFrame& frame : ten.frames) EXPECT_TRUE(frame.frame < 12 || frame.frame >= 22);
 }
 
+// Frame by frame: some programs cut out what they find, and leave other images as they are.
+TEST(Landmarks, TakeAlphaThatIsNotOpaqueEverywhere) {
+  const Stage stage;
+  stage.Node("[" + Stage::Face() + "," + Stage::Face() + "," + Stage::Face() + "]");
+  std::ofstream(stage.folder / "matte", std::ios::binary) << std::string(kSide * kSide, char(0));
+  Image8 cut_out(kSide, kSide, 4, 90);
+  for (size_t i = 3; i < cut_out.data.size(); i += 4) cut_out.data[i] = 255;
+  WriteImage(stage.images + "/9.png", cut_out);
+  for (size_t i = 0; i < cut_out.pixels(); ++i) cut_out.data[4 * i + 3] = i % kSide < 9 ? 0 : 255;
+  WriteImage(stage.images + "/10.png", cut_out);
+  const CommandResult result = stage.Run();
+  ASSERT_EQ(result.code, 0) << result.err;
+  const LandmarkVideo video = ReadLandmarks(stage.out);
+  ASSERT_EQ(video.frames.size(), 3u);
+  const int values[] = {0, 0, 255};
+  for (size_t f = 0; f < 3; ++f) {
+    const Image8 matte = ReadImage(video.frames[f].matte);
+    EXPECT_EQ(matte.at(20, 5, 0), values[f]) << f;
+    EXPECT_EQ(matte.at(5, 5, 0), 0) << f;
+  }
+}
+
 TEST(Landmarks, TakeOwnMattes) {
   const Stage stage;
   stage.Node("[" + Stage::Face() + "," + Stage::Face() + "," + Stage::Face() + "]");

@@ -15,23 +15,27 @@ using test::WriteFilm;
 
 TEST(FrameSource, AVideosOpaqueAlphaIsNoMatte) {
   const TemporaryFolder folder;
-  Film film{.path = folder / "opaque.webm", .encoder = "libvpx-vp9", .alpha = true, .frames = {}};
-  for (int i = 0; i < 5; ++i) film.frames.push_back({64, 48, 40 * i, 255});
+  Film film{.path = folder / "some.webm", .encoder = "libvpx-vp9", .alpha = true, .frames = {}};
+  for (int i = 0; i < 5; ++i) film.frames.push_back({64, 48, 40 * i, uint8_t(i == 2 ? 64 : 255)});
   WriteFilm(film);
-  ASSERT_TRUE(VideoReader(film.path).has_alpha());
-  EXPECT_FALSE(FrameSource(film.path).has_alpha());
-  film.frames[2].alpha = 0;
-  WriteFilm(film);
-  EXPECT_TRUE(FrameSource(film.path).has_alpha());
+  const FrameSource frames(film.path);
+  for (int i = 0; i < 5; ++i) ASSERT_EQ(frames.Matte(i).has_value(), i == 2) << i;
+  EXPECT_NEAR(frames.Matte(2)->data[0], 64, 3);
 }
 
-TEST(FrameSource, ScreenshotsOpaqueAlphaIsNoMatte) {
+TEST(FrameSource, AScreenshotsOpaqueAlphaIsNoMatte) {
   const TemporaryFolder folder;
-  for (const char* name : {"0.png", "1.png", "2.png"})
-    WriteImage(folder / name, Image8(64, 48, 4, 255));
-  EXPECT_FALSE(FrameSource(folder.path()).has_alpha());
-  WriteImage(folder / "2.png", Image8(64, 48, 4, 0));
-  EXPECT_TRUE(FrameSource(folder.path()).has_alpha());
+  Image8 cut_out(64, 48, 4, 255);
+  cut_out.at(5, 7, 3) = 0;
+  WriteImage(folder / "0.png", Image8(64, 48, 3, 255));
+  WriteImage(folder / "1.png", Image8(64, 48, 4, 255));
+  WriteImage(folder / "2.png", cut_out);
+  const FrameSource frames(folder.path());
+  EXPECT_FALSE(frames.Matte(0));
+  EXPECT_FALSE(frames.Matte(1));
+  ASSERT_TRUE(frames.Matte(2));
+  EXPECT_EQ(frames.Matte(2)->at(5, 7, 0), 0);
+  EXPECT_EQ(frames.Matte(2)->at(7, 5, 0), 255);
 }
 
 }  // namespace

@@ -100,7 +100,6 @@ TEST(FrameSource, LeavesBarsOut) {
   const Image8 read = frames.Read(2);
   EXPECT_EQ(read.width, frames.width());
   EXPECT_GE(read.at(0, 90, 0), 130);
-  EXPECT_EQ(frames.Alpha(2).width, frames.width());
   // For landmarks that somebody found in whole frames.
   frames.EndAt(frames.in_file());
   EXPECT_EQ(frames.Read(2).width, kWidth);

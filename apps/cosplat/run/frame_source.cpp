@@ -58,12 +58,11 @@ bool AreSame(const Crop& a, const Crop& b) {
   return a.x == b.x && a.y == b.y && a.width == b.width && a.height == b.height;
 }
 
-// 255 where there is none.
-Image8 AlphaOf(const Image8& image) {
-  Image8 alpha(image.width, image.height, 1, 255);
-  if (image.channels == 4)
-    for (size_t i = 0; i < alpha.pixels(); ++i) alpha.data[i] = image.data[4 * i + 3];
-  return alpha;
+// Of four channels. Codecs make 254 of 255.
+bool ShowsThrough(const Image8& image) {
+  for (size_t i = 3; i < image.data.size(); i += 4)
+    if (image.data[i] < 128) return true;
+  return false;
 }
 
 }  // namespace
@@ -81,13 +80,14 @@ void FrameSource::Open(const std::string& path) {
     const Image8 first = video_->ReadFrame(0);
     width_ = first.width, height_ = first.height;
     frames_per_second_ = video_->frames_per_second();
-    has_alpha_ = video_->has_alpha() && ShowsThrough();
+    has_alpha_ = video_->has_alpha();
     return;
   }
   images_ = ImagesIn(path);
   if (images_.empty()) throw Error(path, "holds no images");
   for (const std::string& image : images_) {
     const ImageInfo info = ReadImageInfo(image).Upright();
+    has_alpha_ = has_alpha_ || info.channels == 4;
     if (width_ == 0) width_ = info.width, height_ = info.height;
     if (info.width != width_ || info.height != height_)
       throw Error(image,
@@ -95,17 +95,6 @@ void FrameSource::Open(const std::string& path) {
                       ", the images before it are " + std::to_string(width_) + "x" +
                       std::to_string(height_));
   }
-  has_alpha_ = ShowsThrough();
-}
-
-// An alpha that is opaque everywhere is that of a format, as GIF's and a screenshot's.
-bool FrameSource::ShowsThrough() const {
-  for (const int frame : {0, count() / 2, count() - 1}) {
-    const Image8 alpha =
-        AlphaOf(video_ ? video_->ReadFrame(frame) : ReadUpright(images_.at(size_t(frame))));
-    if (*std::min_element(alpha.data.begin(), alpha.data.end()) < 128) return true;
-  }
-  return false;
 }
 
 int FrameSource::count() const { return video_ ? video_->frame_count() : int(images_.size()); }
@@ -193,6 +182,14 @@ Image8 FrameSource::Read(int frame) const {
   return image;
 }
 
-Image8 FrameSource::Alpha(int frame) const { return AlphaOf(Part(ReadAll(frame))); }
+std::optional<Image8> FrameSource::Matte(int frame) const {
+  if (!has_alpha_) return {};
+  const Image8 whole = ReadAll(frame);
+  if (whole.channels != 4 || !ShowsThrough(whole)) return {};
+  const Image8 image = Part(whole);
+  Image8 matte(image.width, image.height, 1);
+  for (size_t i = 0; i < matte.pixels(); ++i) matte.data[i] = image.data[4 * i + 3];
+  return matte;
+}
 
 }  // namespace cosplat

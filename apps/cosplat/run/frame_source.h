@@ -36,15 +36,14 @@ class FrameSource {
   // The frames that begin another shot, increasing (splat/media/frame_cuts.h). Reads a folder's
   // images.
   std::vector<int> Cuts() const;
-  // Whether the frames have an alpha that is not opaque everywhere, in three of them.
-  bool has_alpha() const { return has_alpha_; }
   // From here on the file's frames end where this picture does.
   void EndAt(const Crop& picture);
   // From here on the frames are this part of the picture, which it must fit. Parts that
   // are read are kept, up to half a gigabyte of them, so that a video is not decoded each time.
   void CropTo(const FrameCrop& crop);
-  // 1 channel: the frame's alpha, 255 where it has none. Throws Error as the readers do.
-  Image8 Alpha(int frame) const;
+  // 1 channel: the frame's alpha. None if it has no alpha, or one that is opaque everywhere, which
+  // is that of a format, as GIF's and screenshots'. Throws Error as the readers do.
+  std::optional<Image8> Matte(int frame) const;
   // RGB. Cheapest in order. Throws Error as the readers do.
   Image8 Read(int frame) const;
   Image8 ReadWhole(int frame) const;  // without the crop
@@ -55,14 +54,13 @@ class FrameSource {
   int width_ = 0, height_ = 0;
   Crop in_file_, picture_;
   double frames_per_second_ = 0;
-  bool has_alpha_ = false;
+  bool has_alpha_ = false;  // some frames
   std::optional<FrameCrop> crop_;
   mutable std::map<int, Image8> kept_;  // RGB
   mutable size_t kept_bytes_ = 0;
   mutable std::mutex mutex_;
 
   void Open(const std::string& path);
-  bool ShowsThrough() const;
   bool HasBars() const;
   Crop FindPicture() const;
   Image8 ReadAll(int frame) const;

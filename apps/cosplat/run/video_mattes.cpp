@@ -53,7 +53,7 @@ OwnMattes::OwnMattes(const std::string& path, const FrameSource& frames)
 
 Image8 OwnMattes::Read(int frame) const {
   const int place = place_.at(size_t(frame));
-  if (mattes_.has_alpha()) return mattes_.Alpha(place);
+  if (const std::optional<Image8> alpha = mattes_.Matte(place)) return *alpha;
   const Image8 image = mattes_.Read(place);
   if (!is_video_) return MatteOf(image);
   // A codec's black is not quite 0, which must not be taken for labels.
