@@ -56,6 +56,11 @@ std::vector<size_t> KeepBest(const FaceDetector& detector, int wanted, LandmarkV
   return kept;
 }
 
+// Named as the file, so that files of several videos may lie in one folder.
+std::string MatteFolder(const std::string& landmarks) {
+  return fs::path(landmarks).replace_extension(".mattes").string();
+}
+
 // Mattes made by somebody count before the frames' alpha, and that before what the detector found
 // in the images `found_as`, which is refined.
 void WriteMattes(const LandmarkRunOptions& o,
@@ -64,7 +69,7 @@ void WriteMattes(const LandmarkRunOptions& o,
                  const FaceDetector& detector,
                  const std::vector<size_t>& found_as,
                  LandmarkVideo& video) {
-  const std::string to = (fs::path(o.out).parent_path() / "mattes").string();
+  const std::string to = MatteFolder(o.out);
   MakeDirectories(to);
   const int count = int(video.frames.size());
   ProgressBar bar("mattes", count, o.quiet);
@@ -101,7 +106,13 @@ void WriteMattes(const LandmarkRunOptions& o,
 
 void DetectLandmarks(const LandmarkRunOptions& o, FrameSource& frames) {
   std::optional<OwnMattes> own;
-  if (!o.matte.empty()) own.emplace(o.matte, frames);
+  if (!o.matte.empty()) {
+    std::error_code ignored;  // that the folder to write is not there yet
+    if (fs::equivalent(o.matte, MatteFolder(o.out), ignored))
+      throw Error("--matte",
+                  "'" + o.matte + "' would be overwritten: move it, or name another --out");
+    own.emplace(o.matte, frames);
+  }
   const FoundHead head = FindHead(o.source, frames, o.size, o.quiet);
   PrintNotes(head.notes);
   const std::optional<FrameCrop>& crop = head.crop;
@@ -182,7 +193,9 @@ void AddLandmarks(CLI::App& app) {
       "landmarks", "find the points of the face in a video; needs node and Chromium");
   const auto o = std::make_shared<LandmarkRunOptions>();
   command->add_option("video", o->source, "a video file, or a folder of images")->required();
-  command->add_option("-o,--out", o->out, "file to write, .json; mattes/ goes beside it")
+  command
+      ->add_option(
+          "-o,--out", o->out, "file to write, .json; its mattes go into FILE.mattes beside it")
       ->required();
   DeclareLandmarks(*o, *command);
   command->add_flag("--quiet", o->quiet, "print nothing but errors");

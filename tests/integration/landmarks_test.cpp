@@ -72,8 +72,10 @@ struct Stage {
     return Json::array({points}).dump();
   }
 
-  CommandResult Run(const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> arguments{"landmarks", images, "-o", out};
+  CommandResult Run(const std::vector<std::string>& more = {}) const { return RunTo(out, more); }
+
+  CommandResult RunTo(const std::string& marks, const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{"landmarks", images, "-o", marks};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return Cosplat(arguments,
                    "PATH='" + (folder / "bin") + ":/usr/bin:/bin' XDG_CACHE_HOME='" +
@@ -178,6 +180,29 @@ TEST(Landmarks, TakeAlphaThatIsNotOpaqueEverywhere) {
     EXPECT_EQ(matte.at(20, 5, 0), values[f]) << f;
     EXPECT_EQ(matte.at(5, 5, 0), 0) << f;
   }
+}
+
+// Another video's, and somebody's own in a folder of a likely name.
+TEST(Landmarks, LeaveOtherMattesAlone) {
+  const Stage stage;
+  stage.Node("[" + Stage::Face() + "," + Stage::Face() + "," + Stage::Face() + "]");
+  ASSERT_EQ(stage.Run().code, 0);
+  const std::string first = ReadLandmarks(stage.out).frames[0].matte;
+  const std::vector<char> before = ReadFile(first);
+  const std::string own = stage.folder / "out/mattes";
+  MakeDirectories(own);
+  Image8 matte(kSide, kSide, 1, 100);
+  for (int x = 0; x < kSide; ++x) matte.at(x, 0, 0) = uint8_t(8 * x);  // as soft as a matte
+  for (const char* name : {"8", "9", "10"}) WriteImage(own + "/" + name + ".png", matte);
+  const std::string other = stage.folder / "out/other.json";
+  ASSERT_EQ(stage.RunTo(other, {"--matte", own}).code, 0);
+  const std::string second = ReadLandmarks(other).frames[0].matte;
+  EXPECT_EQ(ReadImage(second).at(5, 5, 0), 100);
+  EXPECT_EQ(ReadFile(first), before);
+  const CommandResult onto_itself =
+      stage.RunTo(other, {"--matte", std::filesystem::path(second).parent_path().string() + "/"});
+  EXPECT_EQ(onto_itself.code, 2);
+  EXPECT_NE(onto_itself.err.find("would be overwritten"), std::string::npos) << onto_itself.err;
 }
 
 TEST(Landmarks, TakeOwnMattes) {
