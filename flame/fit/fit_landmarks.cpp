@@ -48,6 +48,8 @@ constexpr double kBodySeconds = 2;
 constexpr size_t kMinBodyWindow = 6;
 constexpr struct { double root = 0.05, neck = 0.5, translation = 0.02; } kBodySigma;
 
+constexpr const char* kNoFace = "no face of this model fits the landmarks";
+
 // The images are all of the frames.
 FrameCrop Whole(int width, int height) {
   return {{0, 0, width, height}, width, height, width, height};
@@ -127,6 +129,7 @@ class LandmarkFitter {
   const PointsOnFlame points_;
   FramePrior prior_;
   const bool focal_given_;
+  const std::string source_;
   std::vector<double> shape_;
   double log_focal_;
   std::vector<std::vector<double>> frames_;      // empty where there is no face
@@ -159,6 +162,7 @@ LandmarkFitter::LandmarkFitter(const FlameModel& model,
              internal::RestSigma(points_.frame_size(), model.has_eyelids),
              internal::StepSigma(points_.frame_size(), model.has_eyelids)},
       focal_given_(options.focal > 0),
+      source_(options.source),
       shape_(size_t(points_.shape_count())),
       log_focal_(LogFocalOf(options, options.crop.value_or(Whole(width, height)))),
       frames_(faces.size()),
@@ -366,7 +370,7 @@ void LandmarkFitter::FitToImages() {
 FittedFrame LandmarkFitter::FrameResult(size_t f) const {
   const std::vector<double>& frame = frames_[f];
   for (double x : frame)
-    if (!std::isfinite(x)) throw Error("landmarks", "no face of this model fits them");
+    if (!std::isfinite(x)) throw Error(source_, kNoFace);
   FittedFrame out;
   for (size_t i = 0; i < 3; ++i) out.params.translation[i] = float(frame[kFitTranslation + i]);
   for (size_t j = 0; j < kFlameJoints; ++j)
@@ -408,7 +412,7 @@ LandmarkFit FitLandmarks(const FlameModel& model,
   const int seen =
       int(std::count_if(faces.begin(), faces.end(), [](const auto& f) { return bool(f); }));
   if (seen < kMinFaces)
-    throw Error("landmarks",
+    throw Error(options.source,
                 Format("a face is in {} frames, expected at least {}", seen, kMinFaces));
   LandmarkFitter fitter(model, embedding, faces, width, height, options);
   const int sweeps = 2 + kSmoothingSweeps + (options.silhouette ? kRimRounds : 0) +
@@ -438,7 +442,7 @@ LandmarkFit FitLandmarks(const FlameModel& model,
   if (progress && done < total) progress(total, total);
   LandmarkFit fit = fitter.Result();
   MeasureFit(model, embedding, faces, fit);
-  if (!std::isfinite(fit.error)) throw Error("landmarks", "no face of this model fits them");
+  if (!std::isfinite(fit.error)) throw Error(options.source, kNoFace);
   return fit;
 }
 

@@ -10,6 +10,7 @@
 
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "flame/fit/choose_faces.h"
@@ -31,6 +32,7 @@ struct LandmarkFitOptions {
   std::function<Image8(size_t frame)> image;
   // Draws the mesh's outline to the rims of the images' mattes, and finds the hair's static offset.
   bool silhouette = false;
+  std::string source = "landmarks";  // named in errors
 };
 
 struct FittedFrame {

@@ -235,6 +235,7 @@ TrackRun FitTrack(const TrackRunOptions& o, FrameSource& frames) {
   options.focal = o.focal;
   options.crop = run.marks.crop;
   options.silhouette = o.silhouette;
+  options.source = o.source;
   options.image = [&](size_t f) { return ImageOf(frames, run.marks.frames[f], run.marks); };
   run.fit = FitLandmarks(run.model,
                          run.embedding,
