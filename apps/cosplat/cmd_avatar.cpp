@@ -140,6 +140,10 @@ void AddAvatar(CLI::App& app) {
       "FLAME model file (.pkl or .npz), which fits people best; none: our own head");
   command->get_option("--max-gaussians")
       ->description("hard limit on their number; 2,000,000 for the best, and published presets");
+  command->get_option("--resolution-schedule")
+      ->description(
+          "steps after which the sides of the images double (a fifth of the run; of the best, and "
+          "published presets, a tenth)");
   for (const char* of_images : {"--size", "--frames", "--matte"})
     command->get_option(of_images)->excludes(command->get_option("--landmarks"));
   command->callback([o, command, &app] {
@@ -149,6 +153,10 @@ void AddAvatar(CLI::App& app) {
     const std::string unlimited = std::to_string(AvatarOptions().max_gaussians);
     if ((is_best || !is_ours) && SetUnlessGiven(*command, "--max-gaussians", unlimited) && is_best)
       o->settled += " --max-gaussians " + unlimited;
+    // A video's track is not exact, so that small images say as much for longer; the best waits.
+    if (is_ours && !is_best)
+      SetUnlessGiven(
+          *command, "--resolution-schedule", std::to_string(std::max(1, o->iterations / 5)));
     MakeAvatar(*o, ConfigOf(app, *command));
   });
 }

@@ -351,11 +351,11 @@ TEST(Avatar, FromAVideoToReportAndPlayback) {
   EXPECT_EQ(again.code, 0) << again.err;
 }
 
-// The best, and what others published, is not limited to what plays fast.
-TEST(Avatar, LimitsItsGaussiansByDefault) {
+// The best, and what others published, is neither limited to what plays fast nor shortened.
+TEST(Avatar, LimitsGaussiansAndLargeImagesByDefault) {
   const Filmed filmed;
   WriteAsMediapipes(filmed);
-  const auto limit = [&](const char* option, const char* value) {
+  const auto config = [&](const char* option, const char* value) {
     const std::string out = filmed.folder / value;
     const CommandResult result = Cosplat({"avatar",
                                           filmed.images,
@@ -373,13 +373,19 @@ TEST(Avatar, LimitsItsGaussiansByDefault) {
                                           "500",
                                           "--quiet"});
     EXPECT_EQ(result.code, 0) << result.err;
-    const std::string config = test::Slurp(out + "/avatar/config.ini");
-    const size_t at = config.find("max-gaussians=");
-    return config.substr(at, config.find('\n', at) - at);
+    return test::Slurp(out + "/avatar/config.ini");
   };
-  EXPECT_EQ(limit("--quality", "draft"), "max-gaussians=12000");
-  EXPECT_EQ(limit("--quality", "best"), "max-gaussians=2000000");
-  EXPECT_EQ(limit("--preset", "splatting-avatar"), "max-gaussians=2000000");
+  const auto has = [](const std::string& text, const char* line) {
+    return text.find(line) != std::string::npos;
+  };
+  const std::string draft = config("--quality", "draft");
+  EXPECT_TRUE(has(draft, "max-gaussians=12000\n")) << draft;
+  EXPECT_TRUE(has(draft, "resolution-schedule=1\n")) << draft;  // a fifth of five steps
+  for (const std::string& whole :
+       {config("--quality", "best"), config("--preset", "splatting-avatar")}) {
+    EXPECT_TRUE(has(whole, "max-gaussians=2000000\n")) << whole;
+    EXPECT_FALSE(has(whole, "resolution-schedule=1")) << whole;
+  }
 }
 
 TEST(Avatar, SaysWhatIsToBeKnownOfAVideo) {
