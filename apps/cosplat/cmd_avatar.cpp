@@ -126,7 +126,7 @@ void AddAvatar(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "avatar", "from a video of a head to an avatar: landmarks, track, training, playback");
   const auto o = std::make_shared<AvatarCommand>();
-  o->eval = true;
+  o->eval = o->of_video = true;
   o->marks.frames = kChosenFrames;
   o->max_gaussians = kMaxGaussiansToPlay;
   BeginGroup(*command, "Data");
@@ -142,8 +142,8 @@ void AddAvatar(CLI::App& app) {
       ->description("hard limit on their number; 2,000,000 for the best, and published presets");
   command->get_option("--resolution-schedule")
       ->description(
-          "steps after which the sides of the images double (a fifth of the run; of the best, and "
-          "published presets, a tenth)");
+          "steps after which the sides of the images double (a fifth of the run; of the best a "
+          "tenth)");
   for (const char* of_images : {"--size", "--frames", "--matte"})
     command->get_option(of_images)->excludes(command->get_option("--landmarks"));
   command->callback([o, command, &app] {
@@ -153,10 +153,6 @@ void AddAvatar(CLI::App& app) {
     const std::string unlimited = std::to_string(AvatarOptions().max_gaussians);
     if ((is_best || !is_ours) && SetUnlessGiven(*command, "--max-gaussians", unlimited) && is_best)
       o->settled += " --max-gaussians " + unlimited;
-    // A video's track is not exact, so that small images say as much for longer; the best waits.
-    if (is_ours && !is_best)
-      SetUnlessGiven(
-          *command, "--resolution-schedule", std::to_string(std::max(1, o->iterations / 5)));
     MakeAvatar(*o, ConfigOf(app, *command));
   });
 }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -236,6 +237,19 @@ TEST(AvatarPreset, QuickIsShorterAndYields) {
   EXPECT_EQ(Parsed({"--num-downscales", "0"}).options.ToSettings(1).schedule.num_downscales, 0);
   EXPECT_LT(s.density.gradient_threshold, usual.density.gradient_threshold);
   EXPECT_EQ(Parsed({"--iterations", "70", "--preset", "quick"}).options.iterations, 70);
+}
+
+TEST(AvatarOptions, AVideosImagesAreSmallForLonger) {
+  const auto doubled_every = [](const std::vector<std::string>& arguments) {
+    Parsed p(arguments);
+    const int usual = p.options.ToSettings(1).schedule.downscale_every;
+    p.options.of_video = true;
+    return std::array{usual, p.options.ToSettings(1).schedule.downscale_every};
+  };
+  EXPECT_EQ(doubled_every({}), (std::array{600, 1200}));
+  EXPECT_EQ(doubled_every({"--quality", "draft"}), (std::array{200, 400}));
+  EXPECT_EQ(doubled_every({"--quality", "best"}), (std::array{1500, 1500}));
+  EXPECT_EQ(doubled_every({"--resolution-schedule", "9"}), (std::array{9, 9}));
 }
 
 TEST(AvatarPreset, OthersAreRefused) {

@@ -137,6 +137,8 @@ void AvatarOptions::Settle(CLI::App& command) {
 
 TrainSettings AvatarOptions::ToSettings(float unit) const {
   TrainSettings settings = SettingsBy(AvatarRules(preset), 1);
+  if (of_video && !resolution_schedule && quality != Quality::kBest)
+    settings.schedule.downscale_every *= 2;
   settings.scale_regularizer.weight = 1;  // as in SplattingAvatar, for every preset
   settings.prune.group_cap = triangle_cap;
   ScaleToUnit(unit, settings);

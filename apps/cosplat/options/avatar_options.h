@@ -20,6 +20,7 @@ struct AvatarOptions : TrainOptions {
   bool embed_flame = false;
   bool truncate_degree = false;
   int triangle_cap = 64;  // GaussianAvatars users report 8,000 on one face
+  bool of_video = false;  // the track is our own and not exact: images are small for longer
   AvatarSettings avatar;
 
   void Declare(CLI::App& command);
