@@ -99,8 +99,7 @@ FaceTexture::FaceTexture(const FlameModel& model,
                          const std::vector<FrameFields>& fields)
     : views_(views),
       fields_(fields),
-      points_(
-          std::make_shared<PointsOnFlame>(model, SampleSkin(model), shape_count, expression_count)),
+      points_(model, SampleSkin(model), shape_count, expression_count),
       corners_(model, CornersOf(SampleSkin(model)), shape_count, expression_count) {}
 
 std::vector<FaceTexture::Seen> FaceTexture::See(const std::vector<double>& shape,
@@ -108,7 +107,7 @@ std::vector<FaceTexture::Seen> FaceTexture::See(const std::vector<double>& shape
                                                 const std::vector<double>& frame,
                                                 size_t f) const {
   PointsOnFlame::Tape points, corners;
-  points_->Pose(shape.data(), frame.data(), points);
+  points_.Pose(shape.data(), frame.data(), points);
   corners_.Pose(shape.data(), frame.data(), corners);
   const FrameView& view = *views_[f];
   std::vector<Seen> seen(points.points.size());
@@ -137,9 +136,10 @@ void FaceTexture::Measure(const std::vector<double>& shape,
   tbb::parallel_for(size_t(0), frames.size(), [&](size_t f) {
     if (!frames[f].empty()) seen[f] = See(shape, log_focal, frames[f], f);
   });
+  shape_ = shape;
   visible_.assign(frames.size(), {});
   double held_out = 0, held_out_points = 0;
-  for (int p = 0; p < points_->point_count(); ++p) {
+  for (int p = 0; p < points_.point_count(); ++p) {
     std::vector<std::array<double, 2>> values;
     for (const auto& frame : seen)
       if (!frame.empty() && frame[size_t(p)].facing > 0)
@@ -181,7 +181,15 @@ std::vector<double> FaceTexture::Refine(const std::vector<double>& shape,
 
 std::unique_ptr<FieldCost> FaceTexture::Cost(size_t f) const {
   if (!measured() || visible_[f].empty()) return nullptr;
-  return std::make_unique<FieldCost>(points_, visible_[f], fields_[f].brightness, *views_[f]);
+  std::vector<FieldPoint> visible = visible_[f];
+  std::vector<int> points;
+  for (FieldPoint& point : visible) {
+    points.push_back(point.point);
+    point.point = int(points.size()) - 1;
+  }
+  auto part = std::make_shared<const PointsOnFlame>(points_.Part(points, shape_.data()));
+  return std::make_unique<FieldCost>(
+      std::move(part), std::move(visible), fields_[f].brightness, *views_[f], int(shape_.size()));
 }
 
 }  // namespace cosplat::internal

@@ -40,7 +40,8 @@ class FaceTexture {
                double log_focal,
                const std::vector<std::vector<double>>& frames);
 
-  // What the last measurement wants of frame f; null if there is none, or no point is visible.
+  // What the last measurement wants of frame f, with the shape as it was then; null if there is
+  // none, or no point is visible.
   std::unique_ptr<FieldCost> Cost(size_t f) const;
   // Mean over the points that Cost leaves out: how far frames differ from the mean, in 8-bit
   // levels. A better track lowers it; one that only follows the noise of the other points does not.
@@ -59,8 +60,9 @@ class FaceTexture {
 
   const std::vector<std::optional<FrameView>>& views_;
   const std::vector<FrameFields>& fields_;
-  const std::shared_ptr<const PointsOnFlame> points_;
+  const PointsOnFlame points_;
   const PointsOnFlame corners_;  // three per point, of its triangle
+  std::vector<double> shape_;    // of the last measurement
   std::vector<std::vector<FieldPoint>> visible_;
   double held_out_spread_ = 0;
 };

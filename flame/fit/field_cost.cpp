@@ -10,9 +10,15 @@ namespace cosplat::internal {
 FieldCost::FieldCost(std::shared_ptr<const PointsOnFlame> surface,
                      std::vector<FieldPoint> points,
                      const FrameField& field,
-                     const FrameView& view)
-    : surface_(std::move(surface)), points_(std::move(points)), field_(field), view_(view) {
-  *mutable_parameter_block_sizes() = {surface_->shape_count(), 1, surface_->frame_size()};
+                     const FrameView& view,
+                     int fixed_shape)
+    : surface_(std::move(surface)),
+      points_(std::move(points)),
+      field_(field),
+      view_(view),
+      fixed_shape_(size_t(fixed_shape)) {
+  *mutable_parameter_block_sizes() = {
+      fixed_shape + surface_->shape_count(), 1, surface_->frame_size()};
   set_num_residuals(int(points_.size()));
 }
 
@@ -20,9 +26,10 @@ bool FieldCost::Evaluate(const double* const* parameters,
                          double* residuals,
                          double** jacobians) const {
   PointsOnFlame::Tape tape;
-  surface_->Pose(parameters[0], parameters[2], tape);
+  surface_->Pose(parameters[0] + fixed_shape_, parameters[2], tape);
   const double focal = std::exp(parameters[1][0]);
-  const size_t shape = size_t(surface_->shape_count()), frame = size_t(surface_->frame_size());
+  const size_t shape = fixed_shape_ + size_t(surface_->shape_count());
+  const size_t frame = size_t(surface_->frame_size());
   std::vector<double> d_shape(shape), d_frame(frame);
   for (size_t row = 0; row < points_.size(); ++row) {
     const FieldPoint& point = points_[row];
@@ -44,7 +51,7 @@ bool FieldCost::Evaluate(const double* const* parameters,
     surface_->Backward(tape,
                        point.point,
                        InViewVjp(view_, {d_right, d_up, d_nearer / -z}),
-                       d_shape.data(),
+                       jacobians[0] ? d_shape.data() + fixed_shape_ : nullptr,
                        d_frame.data());
     if (jacobians[0]) std::copy_n(d_shape.begin(), shape, jacobians[0] + row * shape);
     if (jacobians[1]) jacobians[1][row] = d_nearer;

@@ -20,11 +20,13 @@ struct FieldPoint {
 // Residuals: one per point, in standard deviations, robust (flame/fit/robust.h).
 class FieldCost : public ceres::CostFunction {
  public:
-  // Keeps references to field and view.
+  // Keeps references to field and view. fixed_shape: so many numbers of the shape come before the
+  // surface's own and change nothing.
   FieldCost(std::shared_ptr<const PointsOnFlame> surface,
             std::vector<FieldPoint> points,
             const FrameField& field,
-            const FrameView& view);
+            const FrameView& view,
+            int fixed_shape = 0);
   // Fails if a point is not in front of the camera.
   bool Evaluate(const double* const* parameters,
                 double* residuals,
@@ -35,6 +37,7 @@ class FieldCost : public ceres::CostFunction {
   const std::vector<FieldPoint> points_;
   const FrameField& field_;
   const FrameView& view_;
+  const size_t fixed_shape_;
 };
 
 }  // namespace cosplat::internal

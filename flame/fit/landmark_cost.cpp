@@ -24,7 +24,7 @@ bool LandmarkCost::Evaluate(const double* const* parameters,
   points_.Pose(parameters[0], parameters[2], tape);
   const double focal = std::exp(parameters[1][0]);
   const size_t shape = size_t(points_.shape_count()), frame = size_t(points_.frame_size());
-  // Rows of the Jacobian are summed here even for blocks that are held fixed.
+  // A row of the Jacobian is summed here.
   std::vector<double> d_shape(2 * shape), d_frame(2 * frame);
   for (size_t p = 0; p < embedding_.size(); ++p) {
     const auto& [x, y, z] = tape.points[p];
@@ -54,7 +54,7 @@ bool LandmarkCost::Evaluate(const double* const* parameters,
         for (size_t a = 0; a < 3; ++a) d[a] += d_robust[i][j] * d_point[j][a];
       std::fill_n(d_shape.begin(), shape, 0.0);
       std::fill_n(d_frame.begin(), frame, 0.0);
-      points_.Backward(tape, int(p), d, d_shape.data(), d_frame.data());
+      points_.Backward(tape, int(p), d, jacobians[0] ? d_shape.data() : nullptr, d_frame.data());
       const size_t row = 2 * p + i;
       if (jacobians[0]) std::copy_n(d_shape.begin(), shape, jacobians[0] + row * shape);
       if (jacobians[1])

@@ -85,6 +85,41 @@ PointsOnFlame::PointsOnFlame(const FlameModel& model,
     }
 }
 
+PointsOnFlame PointsOnFlame::Part(const std::vector<int>& points, const double* shape) const {
+  PointsOnFlame part;
+  part.expression_count_ = expression_count_;
+  part.parents_ = parents_;
+  const size_t shapes = size_t(shape_count_), rest = columns() - shapes;
+  std::vector<int> places(template_.size() / 3, -1);  // of the vertices, in the part
+  for (const int point : points) {
+    std::array<Corner, 3> corners = corners_[size_t(point)];
+    for (Corner& corner : corners) {
+      const size_t vertex = size_t(corner.vertex);
+      if (places[vertex] < 0) {
+        places[vertex] = int(part.template_.size() / 3);
+        const double* const weights = &weights_[kFlameJoints * vertex];
+        part.weights_.insert(part.weights_.end(), weights, weights + kFlameJoints);
+        for (size_t row = 3 * vertex; row < 3 * vertex + 3; ++row) {
+          const double* const directions = &directions_[row * columns()];
+          part.template_.push_back(template_[row] + DotOf(directions, shape, shapes));
+          part.directions_.insert(
+              part.directions_.end(), directions + shapes, directions + shapes + rest);
+        }
+      }
+      corner.vertex = places[vertex];
+    }
+    part.corners_.push_back(corners);
+  }
+  const size_t blends = size_t(shape_count_ + expression_count_);
+  for (size_t row = 0; row < rest_joints_.size(); ++row) {
+    const double* const directions = &joint_directions_[row * blends];
+    part.rest_joints_[row] = rest_joints_[row] + DotOf(directions, shape, shapes);
+    part.joint_directions_.insert(
+        part.joint_directions_.end(), directions + shapes, directions + blends);
+  }
+  return part;
+}
+
 void PointsOnFlame::Pose(const double* shape, const double* frame, Tape& tape) const {
   std::vector<double> coefficients(columns());
   const size_t blends = columns() - kFlamePoseFeatures;
@@ -123,6 +158,7 @@ void PointsOnFlame::Backward(const Tape& tape,
                              double* d_shape,
                              double* d_frame) const {
   const size_t blends = columns() - kFlamePoseFeatures;
+  const size_t first = d_shape ? 0 : size_t(shape_count_);
   std::vector<double> d_coefficients(columns());
   flame_math::JointTransforms<double, kFlameJoints> d_transforms{};
   for (const auto& [v, weight] : corners_[size_t(point)]) {
@@ -135,9 +171,9 @@ void PointsOnFlame::Backward(const Tape& tape,
                                                               d_transforms);
     for (size_t i = 0; i < 3; ++i)
       AddScaled(d_unskinned[i],
-                &directions_[(3 * size_t(v) + i) * columns()],
-                columns(),
-                d_coefficients.data());
+                &directions_[(3 * size_t(v) + i) * columns() + first],
+                columns() - first,
+                &d_coefficients[first]);
   }
   std::array<Mat3<double>, kFlameJoints> d_local{};
   std::array<Vec3<double>, kFlameJoints> d_joints{};
@@ -150,12 +186,12 @@ void PointsOnFlame::Backward(const Tape& tape,
     AddScaled(1, &d_pose.x, 3, d_frame + kFitPose + 3 * j);
     for (size_t i = 0; i < 3; ++i)
       AddScaled(d_joints[j][i],
-                joint_directions_.data() + (3 * j + i) * blends,
-                blends,
-                d_coefficients.data());
+                joint_directions_.data() + (3 * j + i) * blends + first,
+                blends - first,
+                &d_coefficients[first]);
   }
   AddScaled(1, d_point.data(), 3, d_frame + kFitTranslation);
-  AddScaled(1, d_coefficients.data(), size_t(shape_count_), d_shape);
+  if (d_shape) AddScaled(1, d_coefficients.data(), size_t(shape_count_), d_shape);
   AddScaled(1,
             &d_coefficients[size_t(shape_count_)],
             size_t(expression_count_),

@@ -26,6 +26,9 @@ class PointsOnFlame {
                 int shape_count,
                 int expression_count);
 
+  // Some of the points, of one shape: it has no shape numbers any more.
+  PointsOnFlame Part(const std::vector<int>& points, const double* shape) const;
+
   int point_count() const { return int(corners_.size()); }
   int shape_count() const { return shape_count_; }
   int frame_size() const { return kFitExpression + expression_count_; }
@@ -41,7 +44,7 @@ class PointsOnFlame {
   // shape [shape_count], frame [frame_size].
   void Pose(const double* shape, const double* frame, Tape& tape) const;
 
-  // Adds d_point^T d(points[point]) / d(shape, frame) to d_shape and d_frame.
+  // Adds d_point^T d(points[point]) / d(shape, frame) to d_shape, if it is not null, and d_frame.
   void Backward(const Tape& tape,
                 int point,
                 const std::array<double, 3>& d_point,
@@ -49,6 +52,7 @@ class PointsOnFlame {
                 double* d_frame) const;
 
  private:
+  PointsOnFlame() = default;
   struct Corner {
     int vertex;  // of those that are kept
     double weight;
@@ -57,8 +61,8 @@ class PointsOnFlame {
   // sum of rows.
   size_t columns() const { return size_t(shape_count_ + expression_count_) + kFlamePoseFeatures; }
 
-  int shape_count_, expression_count_;
-  std::array<int, kFlameJoints> parents_;
+  int shape_count_ = 0, expression_count_ = 0;
+  std::array<int, kFlameJoints> parents_{};
   std::vector<std::array<Corner, 3>> corners_;  // [L]
   std::vector<double> template_;                // [vertices, 3]
   std::vector<double> directions_;              // [vertices, 3, columns]

@@ -106,6 +106,25 @@ TEST(PointsOnFlame, DerivativeIsThatOfDifferences) {
   }
 }
 
+TEST(PointsOnFlame, APartOfThemHasOneShape) {
+  const RandomFrame random;
+  const PointsOnFlame part = random.points.Part({7, 2}, random.shape.data());
+  EXPECT_EQ(part.shape_count(), 0);
+  ASSERT_EQ(part.point_count(), 2);
+  PointsOnFlame::Tape all, tape;
+  random.points.Pose(random.shape.data(), random.frame.data(), all);
+  part.Pose(nullptr, random.frame.data(), tape);
+  const std::array<double, 3> d_point{0.3, -0.7, 0.5};
+  std::vector<double> expected(random.frame.size()), d_frame = expected;
+  random.points.Backward(all, 7, d_point, nullptr, expected.data());
+  part.Backward(tape, 0, d_point, nullptr, d_frame.data());
+  for (size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(tape.points[0][i], all.points[7][i], 1e-12);
+    EXPECT_NEAR(tape.points[1][i], all.points[2][i], 1e-12);
+  }
+  for (size_t k = 0; k < d_frame.size(); ++k) EXPECT_NEAR(d_frame[k], expected[k], 1e-12);
+}
+
 // What a detector sees of the made head, with a pixel of noise, and the truth.
 struct SeenHead {
   ProceduralHead head = MakeProceduralHeadParts();
