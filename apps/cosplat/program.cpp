@@ -1,6 +1,9 @@
 #include "apps/cosplat/program.h"
 
 #include <tbb/global_control.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include <algorithm>
 #include <cstdio>
@@ -130,6 +133,15 @@ int Parse(const char* name,
   return 0;
 }
 
+// Images come and go by the hundred, and glibc gives what is freed back to the system, which clears
+// each page again when it is fetched. Kept are blocks of up to 32 MiB, its limit.
+void KeepFreedMemory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
+#endif
+}
+
 }  // namespace
 
 int RunProgram(const char* name,
@@ -137,6 +149,7 @@ int RunProgram(const char* name,
                const std::function<void(CLI::App&)>& declare,
                int argc,
                char** argv) {
+  KeepFreedMemory();
   try {
     return Parse(name, description, declare, argc, argv);
   } catch (const Stopped& e) {
