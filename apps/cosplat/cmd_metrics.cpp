@@ -52,14 +52,14 @@ void WriteFitted(const MetricsOptions& o, const JsonField& run, int iteration) {
   if (video.test.empty()) throw Error(o.model, option, "no frames were held out");
   const MeshTopology topology =
       BuildTopology("avatar", avatar.mesh.faces, int(avatar.mesh.vertices.size() / 3));
-  TrackFitter fitter(avatar, flame);
+  TrackFitter fitter(avatar, flame, settings);
   TestImageWriter writer(
       o.model, "test", iteration, avatar.background, o.fit_track ? "_fitted" : "_fitted_bust");
   ProgressBar bar("fit", int(video.test.size()));
   for (size_t i = 0; i < video.test.size(); ++i) {
     const TrackedFrame& frame = video.test[i];
     const Image8 truth = LoadTrackedImage(video, frame);
-    fitter.Fit(frame, truth, avatar.background, settings);
+    fitter.Fit(frame, truth, avatar.background);
     writer.Write(
         fitter.image(), truth, HeadViewOf(fitter.vertices(), avatar, topology, flame, frame));
     bar.Update(int(i) + 1, "frames");

@@ -33,9 +33,8 @@ void DeclareTracking(TrackRunOptions& o, CLI::App& command) {
                    o.silhouette,
                    "draw the mesh's outline to the rims of the mattes, and offset it by the hair");
   command
-      .add_option("--avatar-rounds",
-                  o.avatar_rounds,
-                  "at most so many rounds in which small avatars refine the track")
+      .add_option(
+          "--avatar-rounds", o.avatar_rounds, "rounds in which small avatars refine the track")
       ->check(CLI::Range(0, 20));
 }
 

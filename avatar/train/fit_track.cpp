@@ -1,20 +1,47 @@
 #include "avatar/train/fit_track.h"
 
-#include <cmath>
+#include <algorithm>
+#include <numeric>
+#include <utility>
 
 #include "avatar/math/bust.h"
 #include "avatar/model/corrections.h"
 #include "splat/base/error.h"
+#include "splat/math/adam.h"
 
 namespace cosplat {
 namespace {
 
-constexpr double kLastRate = 0.05;
+// The first step of all, in units: nothing is known of the loss yet.
+constexpr double kFirstLength = 4;
+// A step is taken if the loss falls by this share of what its slope promises, and is shortened for
+// as long as it does not (Nocedal & Wright, algorithm 3.1).
+constexpr double kShareOfSlope = 1e-4;
+constexpr double kMinShare = 1e-3;
+
+// parameters: AvatarPoser::Parameters. function(number, unit), for each number of the head.
+template <class Parameters, class Function>
+void ForEachOfHead(Parameters& parameters, const FitSettings& settings, const Function& function) {
+  for (auto& number : parameters.expression) function(number, settings.expression_unit);
+  for (auto& joint : parameters.pose)
+    for (auto& number : joint) function(number, settings.pose_unit);
+  for (auto& number : parameters.translation) function(number, settings.translation_unit);
+}
+
+// The share of a step at which the parabola through a value, its slope along the step and the value
+// after the step is least; within limits.
+double ShorterShare(double slope, double rise) {
+  const double share = -slope / (2 * (rise - slope));
+  return share > 0.1 ? std::min(share, 0.5) : 0.1;
+}
 
 }  // namespace
 
-TrackFitter::TrackFitter(const AvatarModel& model, const FlameModel& flame)
+TrackFitter::TrackFitter(const AvatarModel& model,
+                         const FlameModel& flame,
+                         const FitSettings& settings)
     : model_(model),
+      settings_(settings),
       poser_(flame, model.shape, model.static_offset, model.bust),
       surface_(model.mesh),
       rasterizer_(MakeCpuRasterizer()),
@@ -23,102 +50,152 @@ TrackFitter::TrackFitter(const AvatarModel& model, const FlameModel& flame)
     throw Error("--fit-track", "is not supported with the rule of SplattingAvatar's released code");
   if (model.embedding.rigid)
     throw Error("--fit-track", "is not supported with GaussianAvatars' rule");
+  gradients_.RefillLike(model_.gaussians, HostStream());
 }
 
-void TrackFitter::Draw(const Camera& camera, const std::array<float, 3>& background) {
-  poser_.Forward(frame_.params, vertices_);
+double TrackFitter::Prior(std::vector<double>& gradient) const {
+  std::vector<float> start;
+  ForEachOfHead(start_, settings_, [&](float number, float) { start.push_back(number); });
+  const size_t first_of_root = parameters_.expression.size();
+  const size_t first_of_jaw = first_of_root + 6, first_of_translation = first_of_root + 15;
+  gradient.clear();
+  double loss = 0;
+  ForEachOfHead(parameters_, settings_, [&](float number, float unit) {
+    const size_t k = gradient.size();
+    const bool is_face = k < first_of_root || (k >= first_of_jaw && k < first_of_translation);
+    const double weight = is_face ? settings_.face_prior : settings_.place_prior;
+    const double change = (double(number) - start[k]) / unit;
+    loss += weight * change * change;
+    gradient.push_back(2 * weight * change);
+  });
+  return loss;
+}
+
+double TrackFitter::Draw() {
+  poser_.Forward(parameters_, vertices_);
   surface_.Pose(vertices_);
-  Bind(model_, surface_, posed_, CorrectionWeights(model_.correction_map, frame_.params));
+  Bind(model_, surface_, posed_, CorrectionWeights(model_.correction_map, parameters_));
   rasterizer_->Forward(PosedView(model_.gaussians, posed_, model_.color_frame),
                        model_.gaussians.basis,
-                       camera,
-                       {background, model_.gaussians.degree},
+                       camera_,
+                       {background_, model_.gaussians.degree},
                        image_,
                        *tape_);
-}
-
-void TrackFitter::Begin(const TrackedFrame& frame) {
-  frame_ = {poser_.ParametersFor(frame.params), size_t(poser_.flame().model().expression_count)};
-  bust_ = {};
+  return loss_.Evaluate({}, image_.color, *target_, background_, d_color_) + Prior(d_prior_);
 }
 
 double TrackFitter::LossOf(const TrackedFrame& frame,
                            const Image8& target,
                            const std::array<float, 3>& background) {
-  Begin(frame);
-  Draw(frame.camera, background);
-  return loss_.Evaluate({}, image_.color, target, background, d_color_);
+  camera_ = frame.camera, target_ = &target, background_ = background;
+  parameters_ = poser_.ParametersFor(frame.params);
+  parameters_.expression.resize(size_t(poser_.flame().model().expression_count), 0.0f);
+  start_ = parameters_;
+  return Draw();
 }
 
 void TrackFitter::Fit(const TrackedFrame& frame,
                       const Image8& target,
-                      const std::array<float, 3>& background,
-                      const FitSettings& settings) {
-  Begin(frame);
-  gradients_.RefillLike(model_.gaussians, HostStream());
-  AvatarPoser::Parameters best = frame_.params;
-  double min = HUGE_VAL;
-  for (int step = 1; step <= settings.steps; ++step) {
-    Draw(frame.camera, background);
-    const double loss = loss_.Evaluate({}, image_.color, target, background, d_color_);
-    if (loss < min) {
-      min = loss;
-      best = frame_.params;
+                      const std::array<float, 3>& background) {
+  double loss = LossOf(frame, target, background);
+  bool drawn = true;  // the image is that of parameters_
+  std::vector<double> gradient = Gradient();
+  for (int draws = 1; draws < settings_.draws;) {
+    const AvatarPoser::Parameters from = parameters_;
+    std::vector<double> step = lbfgs_.StepAt(gradient, kFirstLength);
+    const double slope = std::inner_product(step.begin(), step.end(), gradient.begin(), 0.0);
+    drawn = false;
+    double share = 1;
+    while (slope < 0 && share > kMinShare && draws < settings_.draws) {
+      parameters_ = Moved(from, step, share);
+      const double trial = Draw();
+      ++draws;
+      drawn = trial <= loss + kShareOfSlope * share * slope;
+      if (drawn) {
+        loss = trial;
+        break;
+      }
+      share *= ShorterShare(share * slope, trial - loss);
     }
-    d_posed_.Resize(model_.size());
-    WorldGradients d = GradientViewOf(gradients_, screen_);
-    d.position = d_posed_.position.data();
-    d.rotation = d_posed_.rotation.data();
-    d.scale_log = d_posed_.scale_log.data();
-    if (model_.color_frame == ColorFrame::kSurface) {
-      d.color_frame = d_posed_.frame.data();
-    } else {
-      d_posed_.frame.clear();
+    if (!drawn) {
+      parameters_ = from;
+      if (lbfgs_.knows_nothing()) break;
+      lbfgs_.Forget();
+    } else if (draws < settings_.draws) {
+      std::vector<double> change = Gradient();
+      gradient.swap(change);
+      for (size_t i = 0; i < change.size(); ++i) {
+        step[i] *= share;
+        change[i] = gradient[i] - change[i];
+      }
+      lbfgs_.Learn(std::move(step), std::move(change));
     }
-    rasterizer_->Backward(
-        PosedView(model_.gaussians, posed_, model_.color_frame), image_, d_color_, *tape_, d);
-    const std::vector<float> weights = CorrectionWeights(model_.correction_map, frame_.params);
-    BindBackward(model_.gaussians,
-                 model_.embedding,
-                 surface_,
-                 d_posed_,
-                 gradients_,
-                 &d_vertices_,
-                 scratch_,
-                 AppearanceOf(model_, weights));
-    Step(settings, step);
   }
-  frame_.params = best;
-  Draw(frame.camera, background);
+  if (!drawn) Draw();
 }
 
-void TrackFitter::Step(const FitSettings& settings, int step) {
-  AvatarPoser::Parameters& parameters = frame_.params;
-  const AvatarPoser::Parameters gradient = poser_.Backward(parameters, d_vertices_);
-  const double share = std::pow(kLastRate, double(step) / settings.steps);
-  const TrackRates rates{float(share * settings.expression_rate),
-                         float(share * settings.pose_rate),
-                         float(share * settings.translation_rate)};
-  if (settings.head) frame_.Step(gradient, rates);
-  if (!settings.bust || poser_.bust().empty()) return;
-  math::Vec3<float> turn{0, 0, 0}, shift{0, 0, 0}, d_turn{0, 0, 0}, d_shift{0, 0, 0};
-  for (size_t i = vertices_.size() - poser_.bust().size(); i < vertices_.size(); i += 3)
-    math::MoveWithBustVjp(parameters.bust,
-                          poser_.bust_pivot(),
-                          {vertices_[i], vertices_[i + 1], vertices_[i + 2]},
-                          {d_vertices_[i], d_vertices_[i + 1], d_vertices_[i + 2]},
-                          d_turn,
-                          d_shift);
-  const math::AdamStep turns = math::AdamStepAt(rates.pose, step);
-  bust_.Update(turns, 0, d_turn.x, turn.x);
-  bust_.Update(turns, 1, d_turn.y, turn.y);
-  bust_.Update(turns, 2, d_turn.z, turn.z);
-  const math::AdamStep shifts = math::AdamStepAt(rates.translation, step);
-  bust_.Update(shifts, 3, d_shift.x, shift.x);
-  bust_.Update(shifts, 4, d_shift.y, shift.y);
-  bust_.Update(shifts, 5, d_shift.z, shift.z);
-  parameters.bust.turn = math::TurnedBy(turn, parameters.bust.turn);
-  parameters.bust.shift += shift;
+std::vector<double> TrackFitter::Gradient() {
+  d_posed_.Resize(model_.size());
+  WorldGradients d = GradientViewOf(gradients_, screen_);
+  d.position = d_posed_.position.data();
+  d.rotation = d_posed_.rotation.data();
+  d.scale_log = d_posed_.scale_log.data();
+  if (model_.color_frame == ColorFrame::kSurface) {
+    d.color_frame = d_posed_.frame.data();
+  } else {
+    d_posed_.frame.clear();
+  }
+  rasterizer_->Backward(
+      PosedView(model_.gaussians, posed_, model_.color_frame), image_, d_color_, *tape_, d);
+  const std::vector<float> weights = CorrectionWeights(model_.correction_map, parameters_);
+  BindBackward(model_.gaussians,
+               model_.embedding,
+               surface_,
+               d_posed_,
+               gradients_,
+               &d_vertices_,
+               scratch_,
+               AppearanceOf(model_, weights));
+  std::vector<double> numbers;
+  const AvatarPoser::Parameters d_head = poser_.Backward(parameters_, d_vertices_);
+  if (settings_.head)
+    ForEachOfHead(d_head, settings_, [&](float d_number, float unit) {
+      numbers.push_back(unit * math::UsableGradient(d_number) + d_prior_[numbers.size()]);
+    });
+  if (settings_.bust && !poser_.bust().empty()) {
+    math::Vec3<float> d_turn{0, 0, 0}, d_shift{0, 0, 0};
+    for (size_t i = vertices_.size() - poser_.bust().size(); i < vertices_.size(); i += 3)
+      math::MoveWithBustVjp(parameters_.bust,
+                            poser_.bust_pivot(),
+                            {vertices_[i], vertices_[i + 1], vertices_[i + 2]},
+                            {d_vertices_[i], d_vertices_[i + 1], d_vertices_[i + 2]},
+                            d_turn,
+                            d_shift);
+    for (const float d_number : {d_turn.x, d_turn.y, d_turn.z})
+      numbers.push_back(settings_.pose_unit * math::UsableGradient(d_number));
+    for (const float d_number : {d_shift.x, d_shift.y, d_shift.z})
+      numbers.push_back(settings_.translation_unit * math::UsableGradient(d_number));
+  }
+  return numbers;
+}
+
+AvatarPoser::Parameters TrackFitter::Moved(const AvatarPoser::Parameters& from,
+                                           const std::vector<double>& step,
+                                           double share) const {
+  AvatarPoser::Parameters to = from;
+  const double* next = step.data();
+  if (settings_.head)
+    ForEachOfHead(
+        to, settings_, [&](float& number, float unit) { number += float(share * *next++ * unit); });
+  if (settings_.bust && !poser_.bust().empty()) {
+    const auto three = [&](float unit) {
+      const auto number = [&] { return float(share * *next++ * unit); };
+      return math::Vec3<float>{number(), number(), number()};
+    };
+    to.bust.turn = math::TurnedBy(three(settings_.pose_unit), from.bust.turn);
+    to.bust.shift += three(settings_.translation_unit);
+  }
+  return to;
 }
 
 }  // namespace cosplat

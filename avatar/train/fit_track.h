@@ -7,59 +7,74 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "avatar/model/avatar_mesh.h"
 #include "avatar/surface/binding.h"
-#include "avatar/train/refined_frame.h"
+#include "avatar/train/lbfgs.h"
 #include "flame/track.h"
-#include "splat/math/adam.h"
 #include "splat/render/rasterizer.h"
 #include "splat/train/loss/loss.h"
 
 namespace cosplat {
 
 struct FitSettings {
-  int steps = 80;
+  int draws = 40;                 // of the image, at most
   bool head = true, bust = true;  // which of them is fitted
-  // First learning rates; they fall to a twentieth.
-  float pose_rate = 2e-3f;           // radians per step
-  float translation_rate = 2.5e-4f;  // metres per step
-  float expression_rate = 2e-2f;
+  // Changes that are alike in the image.
+  float pose_unit = 2e-3f;           // radians
+  float translation_unit = 2.5e-4f;  // metres
+  float expression_unit = 2e-2f;
+  // Of squares of the head's changes, in units, in the loss: what an image hardly shows stays as it
+  // was tracked. place: of root, neck and translation; face: of jaw, eyes and expression.
+  double place_prior = 0, face_prior = 0;
 };
 
+// What is learned of the loss by fitting one frame is used for the next.
 class TrackFitter {
  public:
   // The model must have its mesh. Keeps references to both. Throws Error if the avatar follows
   // the mesh by the released rule, which has no derivative for it.
-  TrackFitter(const AvatarModel& model, const FlameModel& flame);
+  TrackFitter(const AvatarModel& model, const FlameModel& flame, const FitSettings& settings = {});
 
   // Starts at the frame's own parameters, and for the bust where it follows the head. target: of
   // the camera's size.
-  void Fit(const TrackedFrame& frame,
-           const Image8& target,
-           const std::array<float, 3>& background,
-           const FitSettings& settings);
-  // The loss that Fit lowers, at the frame's own parameters.
+  void Fit(const TrackedFrame& frame, const Image8& target, const std::array<float, 3>& background);
+  // The loss that Fit lowers, at the frame's own parameters, where there is no change.
   double LossOf(const TrackedFrame& frame,
                 const Image8& target,
                 const std::array<float, 3>& background);
   // The result of the last fit.
-  const AvatarPoser::Parameters& parameters() const { return frame_.params; }
+  const AvatarPoser::Parameters& parameters() const { return parameters_; }
   const std::vector<float>& vertices() const { return vertices_; }  // [V, 3] metres
   const RenderedImage& image() const { return image_; }             // over the background
 
  private:
-  void Begin(const TrackedFrame& frame);
-  void Draw(const Camera& camera, const std::array<float, 3>& background);
-  void Step(const FitSettings& settings, int step);
+  // What holds the head's numbers at the start, and its derivative by them, each in its unit.
+  double Prior(std::vector<double>& gradient) const;
+  // Draws the image of parameters_ and returns its loss.
+  double Draw();
+  // Of the loss of the image drawn last, by the fitted numbers, each in its unit.
+  std::vector<double> Gradient();
+  // By a share of a step, in the order of Gradient's numbers.
+  AvatarPoser::Parameters Moved(const AvatarPoser::Parameters& from,
+                                const std::vector<double>& step,
+                                double share) const;
 
   const AvatarModel& model_;
+  const FitSettings settings_;
   AvatarPoser poser_;
   Surface surface_;
   std::unique_ptr<Rasterizer> rasterizer_;
   std::unique_ptr<RenderTape> tape_;
-  RefinedFrame frame_;
-  math::AdamMoments<kBustOutputs> bust_{};  // of a turn that follows the pose's, and of the shift
+  Lbfgs lbfgs_;
+  // Of the frame that is fitted.
+  Camera camera_;
+  const Image8* target_ = nullptr;
+  std::array<float, 3> background_{};
+  AvatarPoser::Parameters start_, parameters_;
+  std::vector<double> d_prior_;
+
   std::vector<float> vertices_;
   PosedGaussians posed_, d_posed_;
   RenderedImage image_;

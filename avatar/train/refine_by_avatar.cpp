@@ -106,22 +106,25 @@ FlameParams Changed(FlameParams params, const FlameParams& given, const FlamePar
 // Fits consecutive frames.
 class LotFitter {
  public:
-  LotFitter(const AvatarModel& avatar, const FlameModel& flame, const TrackedVideo& video)
+  LotFitter(const AvatarModel& avatar,
+            const FlameModel& flame,
+            const TrackedVideo& video,
+            const FitSettings& settings)
       : avatar_(avatar),
         flame_(flame),
-        fitter_(avatar, flame),
+        fitter_(avatar, flame, settings),
         poser_(flame, video.shape, StaticOffsetFor(flame, video.static_offset), {}) {}
 
-  void Fit(const FitSettings& settings, TrackedFrame& frame) {
+  void Fit(TrackedFrame& frame) {
     // Lots are shared among threads, and not their small images, too.
-    alone_.execute([&] { FitAlone(settings, frame); });
+    alone_.execute([&] { FitAlone(frame); });
   }
 
  private:
   // Starts at the frame's own parameters, or where these are changed as those of the frame before
   // were: what is wrong with a track is often wrong in many frames, and few steps get far from
   // there.
-  void FitAlone(const FitSettings& settings, TrackedFrame& frame) {
+  void FitAlone(TrackedFrame& frame) {
     const FlameParams given = WithExpressions(frame.params);
     poser_.Forward(poser_.ParametersFor(given), vertices_);
     TrackedFrame part = AroundHead(frame, vertices_, flame_);
@@ -132,7 +135,7 @@ class LotFitter {
       part.params = Changed(given, given_, fitted_);
       if (!(loss() < kClearlyBetter * own)) part.params = given;
     }
-    fitter_.Fit(part, *part.image, avatar_.background, settings);
+    fitter_.Fit(part, *part.image, avatar_.background);
     frame.params.expression = fitter_.parameters().expression;
     frame.params.pose = fitter_.parameters().pose;
     frame.params.translation = fitter_.parameters().translation;
@@ -196,26 +199,28 @@ void AvatarRefiner::Fit(const AvatarModel& avatar) {
   const size_t count = video_.train.size();
   const size_t lots = std::clamp(count / kFramesOfLot, size_t(1), kLots);
   tbb::parallel_for(size_t(0), lots, [&](size_t lot) {
-    LotFitter fitter(avatar, flame_, video_);
+    LotFitter fitter(avatar, flame_, video_, settings_.fit);
     for (size_t f = count * lot / lots; f < count * (lot + 1) / lots; ++f) {
-      fitter.Fit(settings_.fit, video_.train[f]);
-      tick(settings_.fit.steps);
+      fitter.Fit(video_.train[f]);
+      tick(settings_.fit.draws);
     }
   });
 }
 
 std::vector<double> AvatarRefiner::Run() {
-  std::vector<TrackedFrame> before;
+  std::vector<TrackedFrame> best;
+  double max = -HUGE_VAL;
   for (int round = 0;; ++round) {
     const AvatarModel avatar = Train();
-    if (round > 0 && psnr_[size_t(round)] <= psnr_[size_t(round) - 1]) {
-      video_.train = std::move(before);
-      return psnr_;
+    if (psnr_.back() > max) {
+      max = psnr_.back();
+      best = video_.train;
     }
-    if (round == settings_.rounds) return psnr_;
-    before = video_.train;
+    if (round == settings_.rounds) break;
     Fit(avatar);
   }
+  video_.train = std::move(best);
+  return psnr_;
 }
 
 }  // namespace
@@ -237,7 +242,7 @@ std::vector<double> RefineByAvatar(const FlameModel& flame,
   if (small.train.empty()) return {};
   AvatarRefiner refiner(flame, std::move(small), settings);
   const int total = (settings.rounds + 1) * settings.avatar.iterations +
-                    settings.rounds * int(frames.size()) * settings.fit.steps;
+                    settings.rounds * int(frames.size()) * settings.fit.draws;
   std::mutex mutex;
   int done = 0;
   refiner.tick = [&](int steps) {

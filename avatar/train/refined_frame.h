@@ -1,5 +1,5 @@
-// The parameters of a frame while they are found, together with the avatar
-// (avatar/train/avatar_subject.h) or for one that is held fixed (avatar/train/fit_track.h).
+// The parameters of a frame while they are found together with the avatar
+// (avatar/train/avatar_subject.h).
 #pragma once
 
 #include <utility>

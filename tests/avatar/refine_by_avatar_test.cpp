@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "flame/mouth.h"
+#include "flame/pose.h"
 #include "tests/avatar/track_errors.h"
 #include "tests/avatar/training_fixture.h"
 #include "tests/flame/hollow_head.h"
@@ -21,7 +25,8 @@ AvatarRefinement Settings(int rounds) {
     ScaleToUnit(unit, train);
     return train;
   };
-  settings.fit.steps = 20;
+  settings.fit.draws = 12;
+  settings.fit.place_prior = settings.fit.face_prior = 1e-6;
   settings.rounds = rounds;
   return settings;
 }
@@ -31,6 +36,27 @@ std::vector<FlameParams> ParamsOf(const TrackedVideo& video) {
   for (const auto* list : {&video.train, &video.test})
     for (const TrackedFrame& frame : *list) params.push_back(frame.params);
   return params;
+}
+
+// Root mean square distance of the vertices from where they are in truth, in metres. A vertex's
+// mean over the frames is left out: the avatar absorbs it.
+double DistanceOfHeads(const std::vector<FlameParams>& a, const std::vector<TrackedFrame>& truth) {
+  const FlamePoser<float> poser(MadeHead().model, {});
+  const size_t count = 3 * size_t(MadeHead().model.vertex_count);
+  std::vector<double> sum(count), squares(count);
+  std::vector<float> is, should;
+  for (size_t f = 0; f < a.size(); ++f) {
+    poser.Forward(poser.ParametersOf(a[f]), is);
+    poser.Forward(poser.ParametersOf(truth[f].params), should);
+    for (size_t i = 0; i < count; ++i) {
+      sum[i] += is[i] - should[i];
+      squares[i] += (is[i] - should[i]) * (is[i] - should[i]);
+    }
+  }
+  double total = 0;
+  const double n = double(a.size());
+  for (size_t i = 0; i < count; ++i) total += squares[i] / n - sum[i] / n * sum[i] / n;
+  return std::sqrt(3 * total / double(count));
 }
 
 Image8 ImageOf(const TrackedFrame& frame) { return *frame.image; }
@@ -48,7 +74,7 @@ TEST(RefineByAvatar, BringsATrackCloserToTheTruth) {
   const TrackedVideo truth = MakeSmallVideo(20, 1);
   TrackedVideo video = truth;
   Perturb(video);
-  const auto before = Distance(ParamsOf(video), truth.train);
+  const double before = DistanceOfHeads(ParamsOf(video), truth.train);
   video.test.assign(video.train.end() - 3, video.train.end());
   video.train.resize(17);
   TrackedVideo alone = video;
@@ -63,9 +89,7 @@ TEST(RefineByAvatar, BringsATrackCloserToTheTruth) {
   ASSERT_EQ(psnr.size(), 3u);
   EXPECT_GT(psnr[1], psnr[0] + 0.5);
   EXPECT_EQ(done, total);
-  const auto after = Distance(ParamsOf(video), truth.train);
-  EXPECT_LT(after[1], 0.9 * before[1]);
-  EXPECT_LT(after[2], 0.8 * before[2]);
+  EXPECT_LT(DistanceOfHeads(ParamsOf(video), truth.train), 0.75 * before);
 
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   EXPECT_EQ(RefineByAvatar(MadeHead().model, alone, ImageOf, Settings(2)), psnr);
@@ -73,7 +97,7 @@ TEST(RefineByAvatar, BringsATrackCloserToTheTruth) {
 }
 
 // An avatar that has hardly been trained.
-TEST(RefineByAvatar, ARoundThatGainsNothingIsUndone) {
+TEST(RefineByAvatar, RoundsThatGainNothingAreUndone) {
   TrackedVideo video = MakeSmallVideo(20, 2);
   const std::vector<FlameParams> given = ParamsOf(video);
   AvatarRefinement settings = Settings(3);
@@ -84,8 +108,8 @@ TEST(RefineByAvatar, ARoundThatGainsNothingIsUndone) {
     return train;
   };
   const std::vector<double> psnr = RefineByAvatar(MadeHead().model, video, ImageOf, settings);
-  ASSERT_EQ(psnr.size(), 2u);
-  EXPECT_LT(psnr[1], psnr[0]);
+  ASSERT_EQ(psnr.size(), 4u);
+  EXPECT_EQ(std::max_element(psnr.begin(), psnr.end()), psnr.begin());
   EXPECT_TRUE(Same(ParamsOf(video), given));
 }
 

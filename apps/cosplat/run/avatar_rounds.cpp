@@ -46,7 +46,9 @@ std::vector<double> RefineByAvatars(const std::string& flame_file,
   AvatarRefinement settings;
   settings.avatar = options->avatar;
   settings.train = [&](float unit) { return options->ToSettings(unit); };
-  settings.fit.steps = 25;
+  settings.fit.draws = 12;
+  settings.fit.place_prior = 5e-7;
+  settings.fit.face_prior = 5e-8;
   settings.rounds = rounds;
   const std::vector<double> psnr =
       RefineByAvatar(flame, track, image, settings, ShowProgress("avatars", "steps", quiet));
@@ -60,7 +62,9 @@ std::string AvatarRoundsText(const std::vector<double>& psnr) {
   std::string text = Format("frames that small avatars had not seen: {:.2f} dB", psnr[0]);
   for (size_t round = 1; round < psnr.size(); ++round)
     text += Format(", {:.2f} dB", psnr[round]) + " after round " + std::to_string(round);
-  if (psnr.back() <= psnr[psnr.size() - 2]) text += ", which is undone";
+  const size_t best = size_t(std::max_element(psnr.begin(), psnr.end()) - psnr.begin());
+  if (best + 1 < psnr.size())
+    text += best == 0 ? "; none is kept" : "; kept is round " + std::to_string(best);
   return text;
 }
 

@@ -84,7 +84,7 @@ std::vector<double> RefineByAvatars(const std::string& flame,
                                     bool quiet);
 
 // "frames that small avatars had not seen: 24.31 dB, 25.50 dB after round 1, 25.45 dB after round
-// 2, which is undone".
+// 2; kept is round 1".
 std::string AvatarRoundsText(const std::vector<double>& psnr);
 
 }  // namespace cosplat
