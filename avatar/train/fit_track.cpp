@@ -19,13 +19,15 @@ constexpr double kFirstLength = 4;
 constexpr double kShareOfSlope = 1e-4;
 constexpr double kMinShare = 1e-3;
 
-// parameters: AvatarPoser::Parameters. function(number, unit), for each number of the head.
+// parameters: AvatarPoser::Parameters. function(number, unit, prior), for each number of the head.
 template <class Parameters, class Function>
-void ForEachOfHead(Parameters& parameters, const FitSettings& settings, const Function& function) {
-  for (auto& number : parameters.expression) function(number, settings.expression_unit);
-  for (auto& joint : parameters.pose)
-    for (auto& number : joint) function(number, settings.pose_unit);
-  for (auto& number : parameters.translation) function(number, settings.translation_unit);
+void ForEachOfHead(Parameters& parameters, const FitSettings& s, const Function& function) {
+  constexpr size_t kJaw = 2;  // and the eyes after it
+  for (auto& number : parameters.expression) function(number, s.expression_unit, s.face_prior);
+  for (size_t joint = 0; joint < parameters.pose.size(); ++joint)
+    for (auto& number : parameters.pose[joint])
+      function(number, s.pose_unit, joint < kJaw ? s.place_prior : s.face_prior);
+  for (auto& number : parameters.translation) function(number, s.translation_unit, s.place_prior);
 }
 
 // The share of a step at which the parabola through a value, its slope along the step and the value
@@ -55,18 +57,13 @@ TrackFitter::TrackFitter(const AvatarModel& model,
 
 double TrackFitter::Prior(std::vector<double>& gradient) const {
   std::vector<float> start;
-  ForEachOfHead(start_, settings_, [&](float number, float) { start.push_back(number); });
-  const size_t first_of_root = parameters_.expression.size();
-  const size_t first_of_jaw = first_of_root + 6, first_of_translation = first_of_root + 15;
+  ForEachOfHead(start_, settings_, [&](float number, float, double) { start.push_back(number); });
   gradient.clear();
   double loss = 0;
-  ForEachOfHead(parameters_, settings_, [&](float number, float unit) {
-    const size_t k = gradient.size();
-    const bool is_face = k < first_of_root || (k >= first_of_jaw && k < first_of_translation);
-    const double weight = is_face ? settings_.face_prior : settings_.place_prior;
-    const double change = (double(number) - start[k]) / unit;
-    loss += weight * change * change;
-    gradient.push_back(2 * weight * change);
+  ForEachOfHead(parameters_, settings_, [&](float number, float unit, double prior) {
+    const double change = (double(number) - start[gradient.size()]) / unit;
+    loss += prior * change * change;
+    gradient.push_back(2 * prior * change);
   });
   return loss;
 }
@@ -159,7 +156,7 @@ std::vector<double> TrackFitter::Gradient() {
   std::vector<double> numbers;
   const AvatarPoser::Parameters d_head = poser_.Backward(parameters_, d_vertices_);
   if (settings_.head)
-    ForEachOfHead(d_head, settings_, [&](float d_number, float unit) {
+    ForEachOfHead(d_head, settings_, [&](float d_number, float unit, double) {
       numbers.push_back(unit * math::UsableGradient(d_number) + d_prior_[numbers.size()]);
     });
   if (settings_.bust && !poser_.bust().empty()) {
@@ -185,8 +182,9 @@ AvatarPoser::Parameters TrackFitter::Moved(const AvatarPoser::Parameters& from,
   AvatarPoser::Parameters to = from;
   const double* next = step.data();
   if (settings_.head)
-    ForEachOfHead(
-        to, settings_, [&](float& number, float unit) { number += float(share * *next++ * unit); });
+    ForEachOfHead(to, settings_, [&](float& number, float unit, double) {
+      number += float(share * *next++ * unit);
+    });
   if (settings_.bust && !poser_.bust().empty()) {
     const auto three = [&](float unit) {
       const auto number = [&] { return float(share * *next++ * unit); };

@@ -95,7 +95,9 @@ TEST(Track, MakesAVideoThatAvatarsTrainOn) {
   const Json figures = ReadJson(filmed.track + "/track.json");
   EXPECT_LT(figures["error_px"].get<double>(), 0.6);
   EXPECT_GE(figures["brightness_spread"].size(), 1u);
-  EXPECT_EQ(figures["held_out_psnr"].size(), 2u);
+  const auto psnr = figures["held_out_psnr"].get<std::vector<double>>();
+  ASSERT_EQ(psnr.size(), 2u);
+  EXPECT_EQ(result.out.find("none is kept") != std::string::npos, psnr[1] <= psnr[0]) << result.out;
   EXPECT_NE(result.out.find("small avatars had not seen"), std::string::npos) << result.out;
   EXPECT_EQ(ReadJson(filmed.track + "/skipped_frames.json")[0]["name"], "6");
   EXPECT_NE(result.out.find("for a better avatar: There are 23 frames"), std::string::npos)
