@@ -265,6 +265,10 @@ TEST(ScenePreset, TheDefaultImprovesOn3dgs) {
   TrainOptions o;
   const TrainSettings ours = o.ToSettings(1);
   EXPECT_FLOAT_EQ(ours.rates.scale, 1e-2f);
+  EXPECT_FLOAT_EQ(ours.rates.color, 1e-2f);
+  EXPECT_FLOAT_EQ(ours.rates.RestRate(), 5e-4f);
+  EXPECT_FLOAT_EQ(ours.rates.opacity, 0.025f);
+  EXPECT_FLOAT_EQ(ours.rates.rotation, 2e-3f);
   EXPECT_TRUE(ours.density.shares_opacity);
   EXPECT_TRUE(std::isinf(ours.density.max_scale));
   EXPECT_TRUE(ours.schedule.ResetsOpacityAt(3000));
@@ -272,10 +276,17 @@ TEST(ScenePreset, TheDefaultImprovesOn3dgs) {
   EXPECT_EQ(ours.schedule.DownscaleAt(1), 4);
   EXPECT_FLOAT_EQ(ours.schedule.RateShare(30000), 0.2f);
   o.scaling_lr = 3e-3f;
+  o.feature_lr = 4e-3f;
+  o.opacity_lr = 0.01f;
+  o.rotation_lr = 5e-4f;
   o.num_downscales = 0;
   o.opacity_reset_every = 1000;
   const TrainSettings given = o.ToSettings(1);
   EXPECT_FLOAT_EQ(given.rates.scale, 3e-3f);
+  EXPECT_FLOAT_EQ(given.rates.color, 4e-3f);
+  EXPECT_FLOAT_EQ(given.rates.RestRate(), 2e-4f);
+  EXPECT_FLOAT_EQ(given.rates.opacity, 0.01f);
+  EXPECT_FLOAT_EQ(given.rates.rotation, 5e-4f);
   EXPECT_EQ(given.schedule.DownscaleAt(1), 1);
   EXPECT_FLOAT_EQ(given.density.gradient_threshold, 2e-4f);
   o.antialiasing = true;
@@ -294,6 +305,9 @@ TEST(ScenePreset, The3dgsOneIs3dgs) {
   o.renderings = true;
   const TrainSettings s = o.ToSettings(1);
   EXPECT_FLOAT_EQ(s.rates.scale, 5e-3f);
+  EXPECT_FLOAT_EQ(s.rates.color, 2.5e-3f);
+  EXPECT_FLOAT_EQ(s.rates.opacity, 0.05f);
+  EXPECT_FLOAT_EQ(s.rates.rotation, 1e-3f);
   EXPECT_FLOAT_EQ(s.density.gradient_threshold, 2e-4f);
   EXPECT_FALSE(s.density.shares_opacity);
   EXPECT_FLOAT_EQ(s.density.max_scale, 0.1f);
@@ -341,7 +355,7 @@ TEST(Config, AnEarlierFileMeansWhatItMeant) {
     EXPECT_FALSE(steps.has_value());
   EXPECT_FALSE(o.prune_to.has_value());
   EXPECT_FALSE(o.background.has_value());
-  EXPECT_EQ(o.rates.opacity, 0) << "it could always be 0";
+  EXPECT_EQ(o.opacity_lr, 0.0f) << "it could always be 0";
   EXPECT_EQ(o.avatar.bust, AvatarSettings::BustChoice::kNo);
   const TrainSettings ours = o.ToSettings(1), usual = Parsed({}).options.ToSettings(1);
   EXPECT_EQ(ours.rates.scale, usual.rates.scale);

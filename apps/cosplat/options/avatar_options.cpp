@@ -29,7 +29,7 @@ AvatarOptions::AvatarOptions() {
   sh_degree = 2;  // as good as 3 on held-out training frames (docs/tried.md)
   // SplattingAvatar's 1.6e-4 is for 30,000 steps; the distance that a Gaussian can move is the
   // learning rate times the number of steps.
-  rates.position_lr_init = 6.4e-4f;
+  position_lr_init = 6.4e-4f;
 }
 
 void AvatarOptions::Declare(CLI::App& command) {

@@ -8,7 +8,10 @@ namespace {
 // Differences from 3DGS in the training of scenes; docs/reference.md lists the gain of each.
 PresetRules SceneDefault() {
   PresetRules rules;
-  rules.scaling_lr = 1e-2f;
+  rules.rates.scale = 1e-2f;
+  rules.rates.color = 1e-2f;
+  rules.rates.opacity = 0.025f;
+  rules.rates.rotation = 2e-3f;
   rules.shares_opacity = true;
   // What is large beside the distance between the cameras is the background, not a fault.
   rules.limits_scale = false;

@@ -25,7 +25,7 @@ using OptionValues = std::vector<std::pair<std::string, std::string>>;  // optio
 struct PresetRules {
   OptionValues options;
   bool in_proportion = true;  // schedules are fractions of the run, not 3DGS's numbers of steps
-  float scaling_lr = 5e-3f;
+  LearningRates rates;
   bool shares_opacity = false;  // between a clone and its original
   bool limits_scale = true;     // Gaussians that are large beside the scene are removed
   float opacity_reset_share = 1;

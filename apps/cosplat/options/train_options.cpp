@@ -27,14 +27,18 @@ TrainSettings TrainOptions::SettingsBy(const PresetRules& rules, float extent) c
     throw Error("--lambda_lpips", "needs a network: --lpips DIR (docs/lpips.md)");
   s.crop_loss.weight = lambda_lpips;
   s.crop_loss.side = lpips_crop;
-  s.rates = rates;
+  s.rates = rules.rates;
+  s.rates.position_lr_init = position_lr_init;
+  s.rates.color = feature_lr.value_or(s.rates.color);
   s.rates.rest = rest_lr;
-  s.rates.scale = scaling_lr.value_or(rules.scaling_lr);
+  s.rates.opacity = opacity_lr.value_or(s.rates.opacity);
+  s.rates.scale = scaling_lr.value_or(s.rates.scale);
+  s.rates.rotation = rotation_lr.value_or(s.rates.rotation);
   s.schedule = ScheduleBy(rules);
   if (position_lr_final)
     s.rates.position_lr_final = *position_lr_final;
   else if (rules.in_proportion)
-    s.rates.position_lr_final = Schedule::LastPositionRate(rates.position_lr_init, iterations);
+    s.rates.position_lr_final = Schedule::LastPositionRate(position_lr_init, iterations);
   s.density.split_scale = 0.01f * extent;                   // 3DGS: percent_dense
   s.density.max_scale = rules.limits_scale ? 0.1f * extent  // 3DGS
                                            : std::numeric_limits<float>::infinity();

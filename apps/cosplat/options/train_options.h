@@ -56,10 +56,11 @@ struct TrainOptions {
   int lpips_crop = 128;  // px
   std::string lpips;     // a network's folder; empty: none
   // Where there is none, the preset's or the schedule's.
-  std::optional<float> densify_grad_threshold, position_lr_final, scaling_lr, rest_lr;
+  std::optional<float> densify_grad_threshold, position_lr_final;
+  std::optional<float> feature_lr, rest_lr, opacity_lr, scaling_lr, rotation_lr;
   std::optional<int> densify_from, densify_until, densify_every, opacity_reset_every;  // steps
   std::optional<int> num_downscales, resolution_schedule;
-  LearningRates rates;
+  float position_lr_init = LearningRates().position_lr_init;
   float checkpoint_every = 5;  // minutes; 0: only when stopped by a signal
   bool resume = false, overwrite = false;
   bool strict = false;  // data that does not tell one story is refused

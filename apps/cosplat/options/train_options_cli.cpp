@@ -211,7 +211,7 @@ void DeclareSchedule(TrainOptions& o, CLI::App& command) {
 
 void DeclareRates(TrainOptions& o, CLI::App& command) {
   BeginGroup(command, "More: learning rates");
-  command.add_option("--position_lr_init", o.rates.position_lr_init, "initial one of positions")
+  command.add_option("--position_lr_init", o.position_lr_init, "initial one of positions")
       ->check(kRate);
   AddOptional<float>(command,
                      "--position_lr_final",
@@ -219,14 +219,17 @@ void DeclareRates(TrainOptions& o, CLI::App& command) {
                      "final one of positions (a hundredth of the first in 30,000 steps, more in "
                      "shorter runs); 0: the first one stays")
       ->check(kRate);
-  command.add_option("--feature_lr", o.rates.color, "of colours")->check(kRate);
+  AddOptional<float>(command, "--feature_lr", o.feature_lr, "of colours (the preset's)")
+      ->check(kRate);
   AddOptional<float>(
       command, "--rest-lr,--rest_lr", o.rest_lr, "of colour bands 1 and up (feature_lr / 20)")
       ->check(kRate);
-  command.add_option("--opacity_lr", o.rates.opacity, "of opacities")->check(kRate);
+  AddOptional<float>(command, "--opacity_lr", o.opacity_lr, "of opacities (the preset's)")
+      ->check(kRate);
   AddOptional<float>(command, "--scaling_lr", o.scaling_lr, "of log scales (the preset's)")
       ->check(kRate);
-  command.add_option("--rotation_lr", o.rates.rotation, "of rotations")->check(kRate);
+  AddOptional<float>(command, "--rotation_lr", o.rotation_lr, "of rotations (the preset's)")
+      ->check(kRate);
 }
 
 }  // namespace
