@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "apps/cosplat/options/command_line.h"
+#include "apps/cosplat/options/scene_options.h"
 #include "splat/base/files.h"
 #include "tests/support/temporary_folder.h"
 
@@ -297,6 +298,18 @@ TEST(ScenePreset, TheDefaultImprovesOn3dgs) {
   EXPECT_FLOAT_EQ(o.ToSettings(1).density.gradient_threshold, 3e-4f);
   EXPECT_TRUE(given.schedule.ResetsOpacityAt(14000))
       << "an interval that is given holds throughout";
+}
+
+TEST(ScenePreset, BlocksLearnAt3dgsRates) {
+  SceneTrainOptions o;
+  EXPECT_FLOAT_EQ(o.ToSettings(1).rates.color, 1e-2f);
+  o.blocks = 2;
+  const TrainSettings s = o.ToSettings(1);
+  EXPECT_FLOAT_EQ(s.rates.color, 2.5e-3f);
+  EXPECT_FLOAT_EQ(s.rates.opacity, 0.05f);
+  EXPECT_FLOAT_EQ(s.rates.scale, 1e-2f);
+  o.feature_lr = 4e-3f;
+  EXPECT_FLOAT_EQ(o.ToSettings(1).rates.color, 4e-3f);
 }
 
 TEST(ScenePreset, The3dgsOneIs3dgs) {

@@ -39,6 +39,7 @@ struct PresetRules {
   AvatarSystem system = AvatarSystem::kCosplat;
 };
 const PresetRules& SceneRules(Preset preset);  // kCosplat or k3dgs
+const PresetRules& BlockRules();               // of a scene that is trained in blocks
 const PresetRules& AvatarRules(Preset preset);
 
 enum class Quality { kDraft, kStandard, kBest };

@@ -17,6 +17,10 @@ struct SceneTrainOptions : TrainOptions {
   void DeclareTraining(CLI::App& command);
   // Call once `command` has been parsed: sets what --quality stands for.
   void Settle(CLI::App& command);
+  // As TrainOptions::ToSettings, and of blocks.
+  TrainSettings ToSettings(float extent) const {
+    return SettingsBy(blocks > 1 ? BlockRules() : SceneRules(preset), extent);
+  }
   // Throws Error if `blocks` does not go with other options.
   void CheckBlocks() const;
 };

@@ -73,8 +73,9 @@ struct TrainOptions {
   void DeclareTraining(CLI::App& command);
   // description: what each quality takes and reaches.
   void DeclareQuality(CLI::App& command, const std::string& description);
-  // The settings of a scene. `extent`: its size in world units; size limits are proportional to it.
-  // The caller adds the network of the crop loss. Throws Error if options contradict each other.
+  // The settings of a scene in one piece. `extent`: its size in world units; size limits are
+  // proportional to it. The caller adds the network of the crop loss. Throws Error if options
+  // contradict each other.
   TrainSettings ToSettings(float extent) const { return SettingsBy(SceneRules(preset), extent); }
   // Resolves --device. "auto" is the CPU for what is only implemented there: some pruning rules.
   Device ResolveDevice() const;
