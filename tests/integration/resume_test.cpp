@@ -95,6 +95,7 @@ TEST_F(Resume, OnlyWithTheSameOptionsVersionAndData) {
   ExpectRefused(scene, {out_, "an interrupted run, at step ", "--resume goes on", "--overwrite"});
   ExpectRefused(With(scene, {"--resume", "--seed", "7"}), {"--seed 0 (now 7)", "--overwrite"});
   ExpectRefused(With(scene, {"--seed", "7"}), {"--seed 0 (now 7)", "--overwrite"});
+  ExpectRefused(With(scene, {"--resume", "--feature_lr", "0.5"}), {"--feature_lr none (now 0.5)"});
   ExpectRefused(With(scene, {"--resume", "--prune", "lp"}), {"--prune \"none\" (now \"lp\")"});
   // The image of one view; its name is in the message.
   const std::string image = photos_ + "/train/r_2.png", bytes = Slurp(image);

@@ -60,9 +60,12 @@ Settings SettingsOf(const std::string& config) {
 
 // What differs between a run's configuration and the present one, or "".
 std::string DifferenceOf(const std::string& of_run, const std::string& present) {
-  const Settings then = SettingsOf(of_run), now = SettingsOf(present);
+  Settings then = SettingsOf(of_run);
+  const Settings now = SettingsOf(present);
   if (then.command != now.command)
     return "by the command " + then.command + ", this is " + now.command;
+  // What is left open is not listed.
+  for (const auto& [name, value] : now.options) then.options.try_emplace(name, "none");
   for (const auto& [name, value] : then.options) {
     const bool may = std::find(kMayChange.begin(), kMayChange.end(), name) != kMayChange.end();
     const auto other = now.options.find(name);
