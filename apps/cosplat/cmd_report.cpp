@@ -92,28 +92,6 @@ std::string ViewChart(const NamedNumbers& per_view) {
   return ToSvg(chart);
 }
 
-// The trials of --budget auto; empty for other runs.
-std::string BudgetChart(const std::string& path) {
-  if (!fs::exists(path)) return "";
-  const JsonField budget(path, ReadJson(path));
-  Chart chart{Chart::Kind::kLines,
-              "Quality of training views held out, against the number of Gaussians",
-              {"Gaussians", ""},
-              {"PSNR", "dB"},
-              {},
-              {}};
-  ChartSeries tried{"tried", {}};
-  for (size_t i = 0; i < budget["trials"].size(); ++i) {
-    const JsonField trial = budget["trials"][i];
-    tried.marks.push_back({trial["gaussians"].Number(), trial["psnr"].Number(), ""});
-  }
-  std::sort(tried.marks.begin(), tried.marks.end(), [](const auto& a, const auto& b) {
-    return a.x < b.x;
-  });
-  chart.series = {tried};
-  return ToSvg(chart);
-}
-
 std::string PairsHtml(const std::string& test, const std::vector<std::string>& names) {
   std::string html = "<div class='pairs'>";
   for (const std::string& name : Spread(names, kPairs))
@@ -183,8 +161,7 @@ void WriteReport(const std::string& model, bool quiet) {
       AdviceHtml(AdviceOf(run["source"].String())) + "<h2>Rendered beside what was held out</h2>" +
       PairsHtml(test, names) + TurnedHtml(model + "/turned.png") + "<div class='row'>" +
       ViewChart(psnr) + (has_stats ? PhaseChart(NumbersIn(stats["phases_ms"])) : "") +
-      BudgetChart(model + "/budget.json") + "</div><h2>Settings</h2><pre>" +
-      EscapeXml(run.raw().dump(2)) + "</pre>";
+      "</div><h2>Settings</h2><pre>" + EscapeXml(run.raw().dump(2)) + "</pre>";
   WriteFileAtomically(model + "/report.html", HtmlPage(title, body));
   if (!quiet) std::printf("report: %s/report.html\n", model.c_str());
 }

@@ -213,7 +213,6 @@ void TrainAvatar(AvatarOptions o, const std::string& config) {
                 UnitLine("FLAME model " + flame.name, flame.unit).c_str(),
                 UnitLine("track " + video.source, video.unit).c_str());
   RunHooks hooks;
-  hooks.video_frames = video.train.size();
   hooks.lpips = lpips.get();
   hooks.save = [&, saves = CanSaveSplats(o)] {
     if (saves) Save(o, flame, subject, trainer, blendshapes);

@@ -43,7 +43,7 @@ Trainer::Trainer(const TrainSettings& settings,
   if (settings.exposure) state_.exposures = ExposureState(subject.frame_count());
   HoldOut({});
   engine_ = make_engine(settings_, subject_, state_);
-  MakePrunerFor(settings.prune, count());
+  MakePrunerFor(count());
   UpdateSmoothing();
 }
 
@@ -57,9 +57,8 @@ void Trainer::CheckCropLoss() const {
                     ", that of the crops " + std::to_string(settings_.crop_loss.side));
 }
 
-void Trainer::MakePrunerFor(const PruneSettings& prune, size_t gaussians) {
-  settings_.prune = prune;
-  pruner_ = MakePruner(prune, settings_.schedule, settings_.iterations, gaussians);
+void Trainer::MakePrunerFor(size_t gaussians) {
+  pruner_ = MakePruner(settings_.prune, settings_.schedule, settings_.iterations, gaussians);
   engine_->SetPruner(pruner_.get());
 }
 
@@ -163,59 +162,19 @@ void Trainer::HoldOut(std::vector<uint32_t> frames) {
 double Trainer::PsnrOf(View<const uint32_t> frames) {
   const FrameChoice choice{frames, active_degree(), MeanBackground(), frames.size()};
   // At the end of a run no updates are deferred: the Gaussians may be rendered in place.
-  if (state_.iteration == settings_.iterations) return engine_->MeanPsnr(choice);
-  return engine_->MeanPsnrOf(CaughtUp(), choice);
-}
-
-int Trainer::FirstPruneStep() const {
-  for (int i = 1; i <= settings_.iterations; ++i)
-    if (PrunesAt(i)) return i;
-  return 0;
-}
-
-Trainer::Checkpoint Trainer::Save() const { return {state(), subject_.SaveState(), drop_psnr_}; }
-
-void Trainer::Restore(const Checkpoint& checkpoint, const PruneSettings& prune) {
-  state_ = checkpoint.state;
-  if (checkpoint.subject) subject_.RestoreState(*checkpoint.subject);
-  drop_psnr_ = checkpoint.drop_psnr;
-  MakePrunerFor(prune, state_.gaussians.size());
-  engine_->Store();
-}
-
-void Trainer::CheckIsOfRun(const StateArchive& archive, const TrainingState& state) const {
-  archive.Require(state.iteration <= settings_.iterations, "iteration", "is beyond the run's end");
-}
-
-void Trainer::Serialize(StateArchive& a, Checkpoint& checkpoint) const {
-  if (a.reads()) {
-    // The layout; and the subject's state, whose arrays are then replaced.
-    checkpoint.state.gaussians.degree = state_.gaussians.degree;
-    checkpoint.state.gaussians.basis = state_.gaussians.basis;
-    checkpoint.state.gaussians.antialiased = state_.gaussians.antialiased;
-    checkpoint.state.gaussians.corrections = state_.gaussians.corrections;
-    checkpoint.state.exposures = state_.exposures;
-    checkpoint.subject = subject_.SaveState();
-  }
-  uint64_t gaussians = checkpoint.state.gaussians.size();
-  cosplat::Serialize(a, subject_.frame_count(), engine_->shards(), gaussians, checkpoint.state);
-  CheckIsOfRun(a, checkpoint.state);
-  if (checkpoint.subject) checkpoint.subject->Serialize(a, gaussians);
-  a.Value("drop_psnr", checkpoint.drop_psnr);
+  if (state_.iteration == settings_.iterations) return engine_->ErrorIn(choice).mean_psnr;
+  return engine_->ErrorOf(CaughtUp(), choice).mean_psnr;
 }
 
 void Trainer::Serialize(StateArchive& a) {
   if (!a.reads()) engine_->Fetch();
   uint64_t gaussians = count();
   cosplat::Serialize(a, subject_.frame_count(), engine_->shards(), gaussians, state_);
-  CheckIsOfRun(a, state_);
+  a.Require(state_.iteration <= settings_.iterations, "iteration", "is beyond the run's end");
   const std::shared_ptr<SubjectState> subject = subject_.SaveState();
   if (subject) subject->Serialize(a, gaussians);
-  int32_t prunes = settings_.prune.prunes();  // by the rule of the run
-  a.Value("prune.rule", prunes);
-  if (prunes == 0) settings_.prune.rule = "none";
-  a.Value("prune.target", settings_.prune.target);
   a.Value("drop_psnr", drop_psnr_);
+  a.Value("pruned", pruned_);
   PhaseTimes times = times_;
   times += engine_->Times();
   a.Value("times", times);
@@ -226,7 +185,7 @@ void Trainer::Serialize(StateArchive& a) {
   if (a.reads()) {
     if (subject) subject_.RestoreState(*subject);
     times_ = times;
-    MakePrunerFor(settings_.prune, gaussians);
+    MakePrunerFor(gaussians);
   }
   if (pruner_) pruner_->Serialize(a, gaussians);
   if (a.reads()) engine_->Store();
@@ -266,9 +225,9 @@ void Trainer::ControlDensityAt(int iteration) {
   }
   if (densifies || prunes) {
     if (settings_.prune.group_cap > 0 || prunes)
-      engine_->Prune(Rank(iteration),
-                     settings_.prune.group_cap,
-                     FindPruneRule(settings_.prune.rule).group_floor);
+      pruned_ += engine_->Prune(Rank(iteration),
+                                settings_.prune.group_cap,
+                                FindPruneRule(settings_.prune.rule).group_floor);
     CheckSomeAreLeft(iteration);
     engine_->SortInSpace();
     engine_->ResetStatistics();
@@ -364,6 +323,7 @@ TrainingStatistics Trainer::statistics() const {
   for (size_t& of_degree : s.degrees) of_degree = shards.SumOver(of_degree);
   s.bands = FiguresOf(s.degrees, state_.gaussians.degree);
   s.drop_psnr = drop_psnr_;
+  s.pruned = pruned_;
   s.exchanged = engine_->Exchanged();
   const size_t count = std::min(steps_, last_seconds_.size());
   if (count == 0) return s;

@@ -32,7 +32,7 @@ struct StepReport {
 // Cost of a run, as written to stats.json.
 struct TrainingStatistics {
   int iterations = 0;
-  size_t steps = 0;        // more than iterations if the run was restored, as for a budget
+  size_t steps = 0;        // fewer than iterations with several views per step
   double seconds = 0;      // in the training loop: no loading, no evaluation
   double cpu_seconds = 0;  // CPU time of all threads, likewise
   size_t gaussians = 0;
@@ -41,6 +41,7 @@ struct TrainingStatistics {
   size_t ignored_gradients = 0;  // non-finite ones
   DegreeCounts degrees{};
   DegreeFigures bands;
+  size_t pruned = 0;     // Gaussians that the rule and the cap per group removed
   double drop_psnr = 0;  // dB, change of training PSNR from dropping bands, sum of all rounds
   ExchangeStatistics exchanged;
 };
@@ -68,30 +69,16 @@ class Trainer {
   // (TrainSettings::exposure).
   void SetExposures(ExposureState exposures);
   // Excludes these frames from training (an empty list restores all) and begins a new pass. Used to
-  // make choices during the run (splat/train/budget.h).
+  // judge what is trained.
   void HoldOut(std::vector<uint32_t> frames);
-  // For one rank only, as Save and Restore. Mean PSNR of these frames with the current Gaussians,
-  // over the background of training (mid-grey if that is random), with images clamped to [0, 1].
+  // For one rank only. Mean PSNR of these frames with the current Gaussians, over the background of
+  // training (mid-grey if that is random), with images clamped to [0, 1].
   double PsnrOf(View<const uint32_t> frames);
-  // The first step that is followed by a round of pruning; 0 if there is none.
-  int FirstPruneStep() const;
-  // A state of the run to return to. Restore restarts the pruning rule with another target, so the
-  // rule must keep no state between rounds. Timings are not restored: trials count as time spent.
-  struct Checkpoint {
-    TrainingState state;
-    std::shared_ptr<SubjectState> subject;
-    double drop_psnr = 0;
-  };
-  Checkpoint Save() const;
-  void Restore(const Checkpoint& checkpoint, const PruneSettings& prune);
   // Writes all that this run is to a checkpoint, or reads it: the same steps follow, bit for bit,
   // with any number of threads. Settings and data must be those that it was written with, and are
-  // not in it, except for the rule and the target of pruning, which Restore changes. Throws Error
-  // if what is read does not fit them; the trainer is then not to be used. Of several ranks all
-  // call it (splat/train/serialize_state.h).
+  // not in it. Throws Error if what is read does not fit them; the trainer is then not to be used.
+  // Of several ranks all call it (splat/train/serialize_state.h).
   void Serialize(StateArchive& archive);
-  // The same for a state to return to.
-  void Serialize(StateArchive& archive, Checkpoint& checkpoint) const;
   // The Gaussians with Adam's deferred updates applied and the 3D smoothing filter baked in, to
   // save or evaluate in the middle of a run. A copy, since catching up in place would change the
   // results of the run. All ranks call it; rank 0 has them, the others none.
@@ -128,8 +115,7 @@ class Trainer {
   void CheckSomeAreLeft(int iteration) const;
   std::array<float, 3> MeanBackground() const;
   bool PrunesAt(int iteration) const { return pruner_ && pruner_->PrunesAt(iteration); }
-  void MakePrunerFor(const PruneSettings& prune, size_t gaussians);
-  void CheckIsOfRun(const StateArchive& archive, const TrainingState& state) const;
+  void MakePrunerFor(size_t gaussians);
 
   TrainSettings settings_;
   Subject& subject_;
@@ -145,6 +131,7 @@ class Trainer {
   std::array<double, 200> last_seconds_{};  // of steps, a ring buffer
   size_t steps_ = 0;
   double drop_psnr_ = 0;
+  uint64_t pruned_ = 0;
 };
 
 }  // namespace cosplat

@@ -95,24 +95,6 @@ TEST_F(NoWait, MasksThatAreLearnedAreToo) {
   }
 }
 
-// A step that was in vain and is forgotten: the run went back to a point before.
-TEST_F(NoWait, GoingBackForgetsWhatWasSubmitted) {
-  TrainingRun run;
-  run.settings.iterations = 12;
-  std::vector<TrainingState> ends;
-  for (const double margin : {8.0, 0.5}) {
-    SceneSubject subject(run.frames, 1);
-    Trainer trainer(run.settings, subject, run.first, WithMargin(margin));
-    while (trainer.iteration() < 4) trainer.Step();
-    const Trainer::Checkpoint before = trainer.Save();
-    while (trainer.iteration() < 7) trainer.Step();  // with 0.5 in vain, not seen yet
-    trainer.Restore(before, run.settings.prune);
-    while (trainer.iteration() < 12) trainer.Step();
-    ends.push_back(trainer.state());
-  }
-  EXPECT_TRUE(test::SameBits(ends[0], ends[1]));
-}
-
 // Played images expect the number of instances of the last one.
 TEST_F(NoWait, AnImageIsWaitedForOnce) {
   const TrainingRun run;

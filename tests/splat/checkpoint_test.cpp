@@ -7,7 +7,6 @@
 
 #include "splat/base/files.h"
 #include "splat/base/state_file.h"
-#include "splat/train/budget.h"
 #include "splat/train/subject/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/expect_error.h"
@@ -113,43 +112,6 @@ TEST(Checkpoint, WritingOneChangesNothing) {
     often.Write(folder / "checkpoint");
   }
   EXPECT_TRUE(SameRun(once, often));
-}
-
-struct Search {
-  SceneSubject subject{TargetImages(TrueScene(1), Ring(10, 2.2f)), 1};
-  Trainer trainer{Settings(), subject, FirstGaussians(300, 1)};
-  BudgetSearch search{{1.0, {8, 9}}, trainer};
-
-  static TrainSettings Settings() {
-    TrainSettings settings = ShortRun(100, 1);
-    settings.prune.rule = "leave-one-out";
-    return settings;
-  }
-};
-
-TEST(Checkpoint, ASearchForABudgetGoesOn) {
-  const TemporaryFolder folder;
-  Search undisturbed;
-  size_t steps = 0;
-  for (; !undisturbed.search.done(); ++steps) undisturbed.search.Step();
-  ASSERT_GE(undisturbed.search.trials(), 3u);
-  auto search = std::make_unique<Search>();
-  for (size_t done = 0; !search->search.done(); ++done) {
-    search->search.Step();
-    if (done % 37 != 0 || search->search.done()) continue;
-    const std::string path = folder / "checkpoint";
-    WriteStateFile(path, "", [&](StateArchive& a) { search->search.Serialize(a); });
-    search = std::make_unique<Search>();
-    StateFile(path).Read([&](StateArchive& a) { search->search.Serialize(a); });
-  }
-  const BudgetReport &a = undisturbed.search.report(), &b = search->search.report();
-  EXPECT_EQ(a.chosen, b.chosen);
-  ASSERT_EQ(a.trials.size(), b.trials.size());
-  for (size_t i = 0; i < a.trials.size(); ++i) EXPECT_EQ(a.trials[i].psnr, b.trials[i].psnr);
-  EXPECT_EQ(search->trainer.statistics().steps, steps);
-  for (Search* s : {&undisturbed, search.get()})
-    while (s->trainer.iteration() < 100) s->trainer.Step();
-  EXPECT_TRUE(SameBits(undisturbed.trainer.state(), search->trainer.state()));
 }
 
 TEST(Checkpoint, IsLittleLargerThanParametersAndMoments) {

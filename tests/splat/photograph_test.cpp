@@ -129,8 +129,8 @@ TEST(Photograph, TrainingFindsExposuresWhoseMeanIsTheIdentity) {
     for (uint32_t f = 0; f < scene.frames.size(); ++f) all.push_back(f);
     const auto rasterizer = MakeCpuRasterizer();
     const auto tape = rasterizer->MakeTape();
-    return MeanPsnrOfFrames(
-        subject, of.gaussians, {all, 0, {0, 0, 0}, all.size()}, true, *rasterizer, *tape);
+    const FrameChoice choice{all, 0, {0, 0, 0}, all.size()};
+    return ErrorOfFrames(subject, of.gaussians, choice, true, *rasterizer, *tape).mean_psnr;
   };
   double gain = 0;
   constexpr uint64_t kSeeds = 2;  // a run scatters by a decibel
@@ -214,7 +214,7 @@ TEST(Photograph, ReducedBlocksWithAnIgnoredPixelAreIgnored) {
     for (int x = 0; x < 3; ++x) EXPECT_EQ(ignored.at(x, y, 0) != 0, x == 1 && y == 1);
 }
 
-TEST(Photograph, MeanPsnrIsOfWhatIsNotIgnored) {
+TEST(Photograph, TheErrorIsOfWhatIsNotIgnored) {
   std::vector<TrainFrame> frames = TargetImages(TrueScene(0), Ring(2, 2.2f));
   for (TrainFrame& frame : frames) {
     frame.ignored = Image8(frame.target.width, frame.target.height, 1);
@@ -227,7 +227,7 @@ TEST(Photograph, MeanPsnrIsOfWhatIsNotIgnored) {
   SceneSubject subject(frames, 1);
   const std::vector<uint32_t> all{0, 1};
   const Gaussians truth = TrueScene(0);
-  EXPECT_GT(ImagesOf(subject, truth).MeanPsnr({all, 0, {0, 0, 0}, 2}), 45);
+  EXPECT_GT(ImagesOf(subject, truth).ErrorIn({all, 0, {0, 0, 0}, 2}).mean_psnr, 45);
 }
 
 }  // namespace

@@ -42,6 +42,18 @@ TEST(Prune, TheExemptStay) {
   EXPECT_EQ(in.Select(4), Indices({1, 3}));
 }
 
+TEST(Prune, TheSumOfTheScoresIsWithinTheLimit) {
+  const std::vector<float> score{3, 1, 4, 1.5f, 9, 2};
+  const auto select = [&](double limit, std::vector<uint8_t> exempt, size_t most = 6) {
+    return SelectForPruning({score, exempt, {}, most, 0, 0, limit});
+  };
+  const std::vector<uint8_t> none(6, 0);
+  EXPECT_EQ(select(0.9, none), Indices{});
+  EXPECT_EQ(select(4.5, none), Indices({1, 3, 5}));
+  EXPECT_EQ(select(4.5, none, 2), Indices({1, 3}));
+  EXPECT_EQ(select(4.5, {0, 1, 0, 0, 0, 0}), Indices({3, 5}));  // who stays costs nothing
+}
+
 TEST(Prune, TheFloorHolds) {
   // Group 0 has the lowest scores but keeps two of its three; group 1 pays the rest.
   Input in{{1, 2, 3, 10, 11, 12}, {}, {0, 0, 0, 1, 1, 1}};

@@ -234,6 +234,20 @@ TEST(Pruner, LeavingOutByErrorBeatsChance) {
   EXPECT_GT(TrainUnder(Rule("leave-one-out", 60)).psnr, TrainUnder(Rule("random", 60)).psnr + 1);
 }
 
+// How many Gaussians are needed is found in the run: by how much the images may lose.
+TEST(Pruner, LeavingOutWithoutACountLosesWhatItMay) {
+  const Outcome all = TrainUnder({});
+  size_t last = all.count + 1;
+  for (const double tolerance : {0.0, 0.1, 1.0, 3.0}) {
+    PruneSettings settings = Rule("leave-one-out");
+    settings.tolerance = tolerance;
+    const Outcome run = TrainUnder(settings);
+    EXPECT_LT(run.count, last) << tolerance;
+    EXPECT_GT(run.psnr, all.psnr - tolerance - 0.3) << tolerance;
+    last = run.count;
+  }
+}
+
 // A rule's mask, learned as training does.
 struct MaskInStep {
   explicit MaskInStep(Pruner& pruner) { learner.Upload(pruner.Mask(), HostStream()); }

@@ -94,7 +94,7 @@ struct ImagesOf : FrameImages {
     for (size_t k = 0; k < choice.count(); ++k) {
       rasterizer->Forward(subject.ToWorld(gaussians, choice[k]),
                           gaussians.basis,
-                          subject.frame(choice[k]).camera,
+                          WithMargin(subject.frame(choice[k]).camera, choice.margin),
                           {choice.background, choice.degree},
                           image,
                           *tape);
@@ -103,8 +103,13 @@ struct ImagesOf : FrameImages {
     }
     return sums;
   }
-  double MeanPsnr(const FrameChoice& choice) override {
-    return MeanPsnrOfFrames(subject, gaussians, choice, false, *rasterizer, *tape);
+  ImageError ErrorIn(const FrameChoice& choice) override {
+    return ErrorOfFrames(subject, gaussians, choice, false, *rasterizer, *tape);
+  }
+  ImageError ErrorWithout(View<const uint8_t> removed, const FrameChoice& choice) override {
+    Gaussians rest = gaussians;
+    Hide(removed, rest);
+    return ErrorOfFrames(subject, rest, choice, false, *rasterizer, *tape);
   }
   Subject& subject;
   const Gaussians& gaussians;

@@ -62,7 +62,7 @@ void SceneTrainOptions::CheckBlocks() const {
   if (ResolveDevice() != Device::kCpu) refuse("--device cuda", "blocks are trained on the CPU");
   if (prune != "none") refuse("--prune " + prune, "ranks the Gaussians of a whole scene");
   if (prune_to) refuse(Format("--prune-to {}", *prune_to), "ranks the Gaussians of a whole scene");
-  if (finds_budget) refuse("--budget auto", "tries a whole scene several times");
+  if (finds_budget) refuse("--budget auto", "ranks the Gaussians of a whole scene");
   if (drop_bands > 0) refuse("--drop-bands", "measures images of a whole scene");
   if (preset == Preset::k3dgs) refuse("--preset 3dgs", "has a schedule in steps of a whole scene");
   if (!save_iterations.empty() || !test_iterations.empty())

@@ -53,11 +53,10 @@ TrainSettings TrainOptions::SettingsBy(const PresetRules& rules, float extent) c
     throw Error("--prune-to " + std::to_string(*prune_to), "--budget auto finds the count");
   if (finds_budget && prune != "none" && prune != "leave-one-out")
     throw Error("--prune " + prune, "--budget auto prunes by leave-one-out");
-  if (finds_budget && batch > 1)
-    throw Error("--batch " + std::to_string(batch), "--budget auto needs steps of one view");
   const bool counts = prune_to || finds_budget;
   s.prune.rule = prune == "none" && counts ? "leave-one-out" : prune;
   s.prune.target = prune_to.value_or(0);
+  s.prune.tolerance = tolerance;
   s.prune.mask_weight = prune_lambda.value_or(0);
   s.drop_bands = drop_bands / 255;
   s.background = background.value_or(Background::kBlack);

@@ -96,10 +96,11 @@ void DeclareModel(TrainOptions& o, CLI::App& command) {
             "--budget",
             o.finds_budget,
             kBudgets,
-            "auto: the fewest Gaussians that keep the quality; takes 2 to 3 times as long");
+            "auto: remove Gaussians that the training images can do without (docs/study.md)");
   BeginGroup(command, "More: model");
   command
-      .add_option("--tolerance", o.tolerance, "dB that --budget auto may lose on held-out views")
+      .add_option(
+          "--tolerance", o.tolerance, "dB that the training images may lose by --budget auto")
       ->check(kRate);
   AddChoice(command,
             "--basis",

@@ -14,7 +14,6 @@
 #include "splat/base/files.h"
 #include "splat/base/json.h"
 #include "splat/base/text.h"
-#include "splat/train/budget.h"
 
 namespace cosplat {
 
@@ -70,26 +69,6 @@ void PrintTrained(const TrainingStatistics& s) {
 
 namespace {
 
-void WriteBudget(const TrainOptions& o, const BudgetReport& report) {
-  Json trials = Json::array();
-  for (const BudgetTrial& trial : report.trials)
-    trials.push_back({{"gaussians", trial.gaussians}, {"psnr", trial.psnr}});
-  const Json json{{"tolerance_db", o.tolerance}, {"trials", trials}, {"gaussians", report.chosen}};
-  WriteFileAtomically(o.model + "/budget.json", json.dump(2) + "\n");
-}
-
-void PrintBudget(const BudgetReport& report) {
-  const BudgetTrial& all = report.trials.front();
-  std::printf("budget: %s Gaussians unpruned, %.2f dB on the views held out\n",
-              WithThousands(all.gaussians).c_str(),
-              all.psnr);
-  for (size_t i = 1; i < report.trials.size(); ++i)
-    std::printf("  %s: %+.2f dB\n",
-                WithThousands(report.trials[i].gaussians).c_str(),
-                report.trials[i].psnr - all.psnr);
-  std::printf("  chosen: %s\n", WithThousands(report.chosen).c_str());
-}
-
 // A run that can be interrupted after every step.
 class TrainingRun {
  public:
@@ -100,33 +79,9 @@ class TrainingRun {
       : o_(o), trainer_(trainer), hooks_(hooks), checkpoint_(checkpoint) {}
 
   void Start() {
-    if (checkpoint_.resumes()) return Resume();
-    if (o_.finds_budget) BeginSearch();
-  }
-
-  void ChooseBudget() {
-    if (!search_) return;
-    std::unique_ptr<ProgressBar> bar;
-    size_t shown = size_t(-1);
-    LossLine line;
-    while (!search_->done()) {
-      if (search_->trials() != shown) {
-        shown = search_->trials();
-        bar.reset();  // terminates its line
-        bar = std::make_unique<ProgressBar>("budget, trial " + std::to_string(shown + 1),
-                                            o_.iterations,
-                                            o_.quiet,
-                                            OffTerminal::kLines,
-                                            trainer_.iteration());
-      }
-      const StepReport step = search_->Step();
-      bar->Update(step.iteration, line(step));
-      if (!search_->done()) AfterStep();
-    }
-    bar.reset();
-    WriteBudget(o_, search_->report());
-    if (!o_.quiet) PrintBudget(search_->report());
-    search_.reset();
+    if (!checkpoint_.resumes()) return;
+    checkpoint_.Read([&](StateArchive& a) { trainer_.Serialize(a); });
+    PrintResumed(o_, trainer_.iteration());
   }
 
   void Train() {
@@ -171,33 +126,9 @@ class TrainingRun {
   void TryToWriteCheckpoint() {
     checkpoint_.Try([&] { WriteCheckpoint(); });
   }
-  void WriteCheckpoint() { checkpoint_.Write(trainer_.iteration(), Description(), *hooks_.ranks); }
-
-  void BeginSearch() {
-    const bool video = hooks_.video_frames > 0;
-    const size_t frames = video ? hooks_.video_frames : trainer_.frame_count();
-    const BudgetSettings settings{o_.tolerance, FramesForBudget(frames, video)};
-    search_.emplace(settings, trainer_);
-  }
-
-  void Resume() {
-    checkpoint_.Read([&](StateArchive& a) {
-      uint8_t searches = 0;
-      a.Value("searches", searches);
-      if (searches != 0) BeginSearch();
-      SerializeRun(a);
-    });
-    PrintResumed(o_, trainer_.iteration());
-  }
-
-  void SerializeRun(StateArchive& a) { search_ ? search_->Serialize(a) : trainer_.Serialize(a); }
-
-  StateDescription Description() {
-    return [this](StateArchive& a) {
-      uint8_t searches = search_.has_value();
-      a.Value("searches", searches);
-      SerializeRun(a);
-    };
+  void WriteCheckpoint() {
+    const StateDescription state = [this](StateArchive& a) { trainer_.Serialize(a); };
+    checkpoint_.Write(trainer_.iteration(), state, *hooks_.ranks);
   }
 
   void AfterStep() {
@@ -210,7 +141,6 @@ class TrainingRun {
   Trainer& trainer_;
   const RunHooks& hooks_;
   RunCheckpoint& checkpoint_;
-  std::optional<BudgetSearch> search_;  // while there is a budget to find
   StopSignals signals_;
 };
 
@@ -226,11 +156,14 @@ void RunTraining(const TrainOptions& o,
   if (writes) WriteSkipped(o.model, skipped);
   TrainingRun run(o, trainer, hooks, checkpoint);
   run.Start();
-  run.ChooseBudget();
   run.Train();
   run.Finish(skipped.size());
   const TrainingStatistics statistics = trainer.statistics();
   if (!o.quiet) PrintTrained(statistics);
+  if (!o.quiet && statistics.pruned > 0)
+    std::printf("pruned: %s Gaussians by %s\n",
+                WithThousands(statistics.pruned).c_str(),
+                trainer.settings().prune.rule.c_str());
   // Density control may add some percent after the last round.
   if (!o.quiet && o.prune_to && double(statistics.gaussians) > 1.05 * double(*o.prune_to))
     std::printf("--prune-to %s: %s are left, since without more of them there would be holes\n",

@@ -30,13 +30,12 @@ class LossLine {
 // All ranks call the hooks; rank 0 alone is to write.
 struct RunHooks {
   std::shared_ptr<Ranks> ranks = OneRank();
-  size_t video_frames = 0;         // frames that are consecutive in time; 0: photographs
   Lpips* lpips = nullptr;          // measures the held-out images; null: none
   std::function<void()> save;      // at --save_iterations and at the end
   std::function<void()> evaluate;  // at --test_iterations and the end; empty: nothing held out
 };
 
-// Trains, saves and evaluates; writes stats.json, budget.json (with --budget auto),
+// Trains, saves and evaluates; writes stats.json,
 // skipped_frames.json (if any were skipped), results.json and per_view.json. Returns once
 // everything is on disk; the checkpoint is left to the caller, who may have more to write. Throws
 // Stopped (stop_signals.h), with a checkpoint written, at SIGINT and SIGTERM.

@@ -125,13 +125,13 @@ double DropBandsInTraining(float threshold,
                            const std::function<void()>& changed) {
   const FrameChoice judged{frames, gaussians.degree, background, kFramesJudged};
   const FrameChoice weighed{frames, gaussians.degree, background, kFramesWeighed};
-  const double before = images.MeanPsnr(judged);
+  const double before = images.ErrorIn(judged).mean_psnr;
   Weights weights;
   for (const Contribution& c : images.Contributions(weighed)) weights.push_back(c.weight);
   // The squares of independent changes add up.
   DropBands(weights, threshold / std::sqrt(float(BandSchedule::kRounds)), gaussians);
   changed();
-  return images.MeanPsnr(judged) - before;
+  return images.ErrorIn(judged).mean_psnr - before;
 }
 
 }  // namespace cosplat

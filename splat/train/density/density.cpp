@@ -89,8 +89,13 @@ std::vector<uint8_t> UnwantedBy(const PruneRound& round,
   std::vector<uint8_t> unwanted;
   for (int choice = 0; choice < kChoices; ++choice) {
     unwanted.assign(count, 0);
-    for (const uint32_t i :
-         SelectForPruning({round.score, exempt, groups, round.remove, group_cap, group_floor}))
+    for (const uint32_t i : SelectForPruning({round.score,
+                                              exempt,
+                                              groups,
+                                              round.remove,
+                                              group_cap,
+                                              group_floor,
+                                              round.score_limit}))
       unwanted[i] = 1;
     const std::vector<uint8_t> chosen = unwanted;
     veto(unwanted);

@@ -139,8 +139,11 @@ void CompositeTarget(const Image8& image,
 double Psnr(View<const float> a, View<const float> b) {
   double sum = 0;
   for (size_t i = 0; i < a.size(); ++i) sum += double(a[i] - b[i]) * (a[i] - b[i]);
-  const double mse = sum / double(a.size());
-  return mse > 1e-10 ? -10 * std::log10(mse) : 100.0;
+  return PsnrOf(sum / double(a.size()));
+}
+
+double PsnrOf(double mean_squared_difference) {
+  return mean_squared_difference > 1e-10 ? -10 * std::log10(mean_squared_difference) : 100.0;
 }
 
 }  // namespace cosplat

@@ -77,6 +77,7 @@ void CompositeTarget(const Image8& image,
 
 // 10 log10(1 / mean squared difference); 100 for equal images. a and b must have the same shape.
 double Psnr(View<const float> a, View<const float> b);
+double PsnrOf(double mean_squared_difference);
 
 namespace cuda {
 

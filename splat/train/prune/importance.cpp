@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "splat/render/rasterizer.h"
 #include "splat/train/loss/loss.h"
@@ -13,6 +12,7 @@ namespace {
 
 constexpr double kVolumeQuantile = 0.9;
 constexpr float kVolumePower = 0.1f;
+constexpr float kInvisibleLogit = -30;  // an opacity far below a grey level
 
 // Sums contributions over images.
 class ContributionSum {
@@ -44,30 +44,36 @@ std::vector<uint8_t> NotIgnored(const TrainFrame& frame) {
   return use;
 }
 
-std::optional<double> PsnrWhere(const std::vector<uint8_t>& use,
-                                const Buffer<float>& a,
-                                const Buffer<float>& b) {
-  Buffer<float> used_a, used_b;
+// Over the pixels that `ignored` ([pixels], empty: none) does not mark, and the channels.
+struct SquaredDifference {
+  double sum = 0;
+  size_t count = 0;
+};
+
+SquaredDifference Difference(const Buffer<float>& a,
+                             const Buffer<float>& b,
+                             const Image8& ignored) {
+  SquaredDifference d;
+  const size_t pixels = a.size() / 3;
   for (size_t i = 0; i < a.size(); ++i) {
-    if (!use[i % use.size()]) continue;
-    used_a.push_back(a[i]);
-    used_b.push_back(b[i]);
+    if (!ignored.empty() && ignored.data[i % pixels] != 0) continue;
+    d.sum += double(a[i] - b[i]) * (a[i] - b[i]);
+    ++d.count;
   }
-  if (used_a.empty()) return {};
-  return Psnr(used_a, used_b);
+  return d;
 }
 
 }  // namespace
 
-double MeanPsnrOfFrames(Subject& subject,
-                        const Gaussians& gaussians,
-                        const FrameChoice& choice,
-                        bool fits_exposure,
-                        Rasterizer& rasterizer,
-                        RenderTape& tape) {
+ImageError ErrorOfFrames(Subject& subject,
+                         const Gaussians& gaussians,
+                         const FrameChoice& choice,
+                         bool fits_exposure,
+                         Rasterizer& rasterizer,
+                         RenderTape& tape) {
   RenderedImage image, on_host;
   Buffer<float> target;
-  double sum = 0;
+  ImageError error;
   int measured = 0;
   for (size_t k = 0; k < choice.count(); ++k) {
     const TrainFrame& frame = subject.frame(choice[k]);
@@ -83,14 +89,29 @@ double MeanPsnrOfFrames(Subject& subject,
     if (fits_exposure)
       ApplyExposure(FitExposure(on_host.color, target, NotIgnored(frame)), on_host.color.view());
     for (float& c : on_host.color) c = std::clamp(c, 0.0f, 1.0f);
-    const std::optional<double> psnr = frame.ignored.empty()
-                                           ? Psnr(on_host.color, target)
-                                           : PsnrWhere(NotIgnored(frame), on_host.color, target);
-    if (!psnr) continue;  // nothing of this frame is to be compared
-    sum += *psnr;
+    const SquaredDifference d = Difference(on_host.color, target, frame.ignored);
+    if (d.count == 0) continue;  // nothing of this frame is to be compared
+    error.mean_psnr += PsnrOf(d.sum / double(d.count));
+    error.squared += d.sum;
     ++measured;
   }
-  return measured == 0 ? 0 : sum / measured;
+  if (measured > 0) error.mean_psnr /= measured;
+  return error;
+}
+
+Camera WithMargin(Camera camera, float share) {
+  const int x = int(std::lround(share * float(camera.width)));
+  const int y = int(std::lround(share * float(camera.height)));
+  camera.width += 2 * x;
+  camera.height += 2 * y;
+  camera.cx += float(x);
+  camera.cy += float(y);
+  return camera;
+}
+
+void Hide(View<const uint8_t> removed, Gaussians& gaussians) {
+  for (size_t i = 0; i < removed.size(); ++i)
+    if (removed[i] != 0) gaussians.at(kOpacityLogit, i)[0] = kInvisibleLogit;
 }
 
 std::vector<float> Significance(const Gaussians& gaussians,

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -27,6 +28,9 @@ struct PruneSettings {
   std::string rule = "none";
   // Ranking rules: number of Gaussians left by the last round; 0: the rule's own shares.
   size_t target = 0;
+  // Leave-one-out without a target: dB that the training images may lose in all rounds together,
+  // as if each Gaussian was removed alone and training did not go on. It does, so they lose less.
+  double tolerance = 0.2;
   // Rules that learn a mask: weight of its loss; 0: the rule's default.
   float mask_weight = 0;
   // Any rule, at each densification and round: maximum per group (splat/train/density/density.h,
@@ -52,6 +56,8 @@ struct PruneRound {
   std::vector<float> score;     // [N] the lowest are removed first
   std::vector<uint8_t> exempt;  // [N] 1: new or unseen, not removed by score; or empty
   size_t remove = 0;            // number of Gaussians to remove
+  // At most so many that the sum of their scores is within this.
+  double score_limit = std::numeric_limits<double>::infinity();
 };
 
 class Pruner {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -78,15 +79,16 @@ struct PruneRequest {
   size_t remove_lowest = 0;    // number to remove by score, over all groups
   int group_cap = 0;           // maximum per group: the lowest scores above it go first; 0: none
   int group_floor = 0;         // minimum to leave in a group that had any
+  // By score, at most so many that the sum of their scores is within this.
+  double score_limit = std::numeric_limits<double>::infinity();
 };
 
 // Indices to remove, ascending. Of equal scores, the lower index is removed.
 std::vector<uint32_t> SelectForPruning(const PruneRequest& request);
 
-// Contributions over all frames of the context, or at most `max_frames` of them.
-inline std::vector<Contribution> ContributionsIn(const PruneContext& c,
-                                                 size_t max_frames = size_t(-1)) {
-  return c.images.Contributions({c.frames, c.degree, c.background, max_frames});
+// Contributions over all frames of the context.
+inline std::vector<Contribution> ContributionsIn(const PruneContext& c) {
+  return c.images.Contributions({c.frames, c.degree, c.background, c.frames.size()});
 }
 
 // Prunes in DCSHARP's rounds (DensificationRounds), which count what to remove of what is ranked.

@@ -34,10 +34,13 @@ std::vector<uint32_t> SelectForPruning(const PruneRequest& request) {
             left[group_of(i)] > uint32_t(request.group_cap))
           remove(i);
   size_t budget = request.remove_lowest;
+  double sum = 0;
   for (const uint32_t i : by_score) {
     if (budget == 0) break;
     if (gone[i] || request.exempt[i] || left[group_of(i)] <= uint32_t(request.group_floor))
       continue;
+    sum += request.score[i];
+    if (sum > request.score_limit) break;
     remove(i);
     --budget;
   }

@@ -153,11 +153,12 @@ void StepEngine::ControlDensity(const DensitySettings& settings, bool remove_ove
   memory_notice_ = {NoticeOfMemory(FreeMemory(), count()), true};
 }
 
-void StepEngine::Prune(const PruneRound& round, int group_cap, int group_floor) {
+size_t StepEngine::Prune(const PruneRound& round, int group_cap, int group_floor) {
   StoreMask();  // ranking may have started or ended mask learning
-  density_.Prune(round, group_cap, group_floor, Everyone());
+  const size_t removed = density_.Prune(round, group_cap, group_floor, Everyone());
   state_.ShareOut();
   state_.ReleaseRanked();
+  return removed;
 }
 
 void StepEngine::SortInSpace() {
@@ -215,7 +216,7 @@ std::vector<Contribution> StepEngine::Contributions(const FrameChoice& choice) {
   for (size_t k = 0; k < choice.count(); ++k) {
     device_.rasterizer->Forward(subject_.ToWorld(shown, choice[k]),
                                 shown.basis,
-                                subject_.camera(choice[k]),
+                                WithMargin(subject_.camera(choice[k]), choice.margin),
                                 {choice.background, choice.degree},
                                 drawing_.image,
                                 *drawing_.tape);
@@ -225,21 +226,29 @@ std::vector<Contribution> StepEngine::Contributions(const FrameChoice& choice) {
   return sums.Downloaded(stream_);
 }
 
-double StepEngine::MeanPsnr(const FrameChoice& choice) {
+ImageError StepEngine::ErrorIn(const FrameChoice& choice) {
   const Gaussians& shown = state_.Read(Where::kStream, Extent::kWhole).gaussians;
-  return MeanPsnrOfFrames(
+  return ErrorOfFrames(
       subject_, shown, choice, settings_.exposure, *device_.rasterizer, *drawing_.tape);
 }
 
-double StepEngine::MeanPsnrOf(const Gaussians& gaussians, const FrameChoice& choice) {
+ImageError StepEngine::ErrorWithout(View<const uint8_t> removed, const FrameChoice& choice) {
+  Gaussians rest;
+  state_.Read(Where::kStream, Extent::kWhole).gaussians.Download(rest, stream_);
+  stream_.Wait();
+  Hide(removed, rest);
+  return ErrorOf(rest, choice);
+}
+
+ImageError StepEngine::ErrorOf(const Gaussians& gaussians, const FrameChoice& choice) {
   Gaussians copy;
   if (!on_host()) copy.Upload(gaussians, stream_);
-  return MeanPsnrOfFrames(subject_,
-                          on_host() ? gaussians : copy,
-                          choice,
-                          settings_.exposure,
-                          *device_.rasterizer,
-                          *drawing_.tape);
+  return ErrorOfFrames(subject_,
+                       on_host() ? gaussians : copy,
+                       choice,
+                       settings_.exposure,
+                       *device_.rasterizer,
+                       *drawing_.tape);
 }
 
 std::vector<MemoryPart> StepEngine::Memory() const {

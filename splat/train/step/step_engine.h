@@ -87,7 +87,7 @@ class StepEngine : public FrameImages {
   // Same as those of DensityControl (splat/train/density/density.h). Stays below the settings'
   // limit if the device's memory would not hold that many Gaussians; TakeNotice then reports it.
   void ControlDensity(const DensitySettings& settings, bool remove_oversized);
-  void Prune(const PruneRound& round, int group_cap, int group_floor);
+  size_t Prune(const PruneRound& round, int group_cap, int group_floor);
   void SortInSpace();
   void ResetStatistics();
   void ResetOpacity();
@@ -112,9 +112,10 @@ class StepEngine : public FrameImages {
   Gaussians CaughtUp(const AdamSettings& rates);
 
   std::vector<Contribution> Contributions(const FrameChoice& choice) override;
-  double MeanPsnr(const FrameChoice& choice) override;
+  ImageError ErrorIn(const FrameChoice& choice) override;
+  ImageError ErrorWithout(View<const uint8_t> removed, const FrameChoice& choice) override;
   // The same for these Gaussians, which are in host memory.
-  double MeanPsnrOf(const Gaussians& gaussians, const FrameChoice& choice);
+  ImageError ErrorOf(const Gaussians& gaussians, const FrameChoice& choice);
 
   // A message for the user, returned once; usually empty.
   std::string TakeNotice() { return std::exchange(memory_notice_.text, {}); }
