@@ -15,7 +15,7 @@ namespace cosplat {
 namespace {
 
 // Maximum number of selections in a round of pruning, each replacing vetoed Gaussians by others.
-constexpr int kChoices = 4;
+constexpr int kChoices = 5;
 
 void GatherGaussians(Gaussians& gaussians,
                      Gaussians& spare,
