@@ -55,6 +55,8 @@ TEST_F(PruneCommand, WhatDoesNotFitIsAnError) {
   ExpectBadScene({"--prune", "opacity", "--prune-lambda", "1"}, "does not learn a mask");
   ExpectBadScene({"--budget", "auto", "--prune-to", "100"}, "--budget auto finds the count");
   ExpectBadScene({"--budget", "auto", "--prune", "opacity"}, "prunes by leave-one-out");
+  ExpectBadScene({"--tolerance", "1"}, "--tolerance: is of --budget auto");
+  ExpectBadScene({"--tolerance", "1", "--prune-to", "100"}, "is of --budget auto");
 }
 
 TEST_F(PruneCommand, RulesOfTheStudyAreKnownByName) {

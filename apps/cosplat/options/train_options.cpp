@@ -56,6 +56,8 @@ TrainSettings TrainOptions::SettingsBy(const PresetRules& rules, float extent) c
   const bool counts = prune_to || finds_budget;
   s.prune.rule = prune == "none" && counts ? "leave-one-out" : prune;
   s.prune.target = prune_to.value_or(0);
+  if (tolerance != TrainOptions().tolerance && (prune_to || s.prune.rule != "leave-one-out"))
+    throw Error("--tolerance", "is of --budget auto");
   s.prune.tolerance = tolerance;
   s.prune.mask_weight = prune_lambda.value_or(0);
   s.drop_bands = drop_bands / 255;

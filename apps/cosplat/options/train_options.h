@@ -50,7 +50,7 @@ struct TrainOptions {
   std::optional<float> prune_lambda;
   float drop_bands = 0;  // grey levels of 255
   bool finds_budget = false;
-  float tolerance = 0.2f;  // dB
+  double tolerance = PruneSettings().tolerance;  // dB
   float lambda_dssim = 0.2f;
   float lambda_lpips = 0;
   int lpips_crop = 128;  // px

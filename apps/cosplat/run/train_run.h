@@ -35,10 +35,10 @@ struct RunHooks {
   std::function<void()> evaluate;  // at --test_iterations and the end; empty: nothing held out
 };
 
-// Trains, saves and evaluates; writes stats.json,
-// skipped_frames.json (if any were skipped), results.json and per_view.json. Returns once
-// everything is on disk; the checkpoint is left to the caller, who may have more to write. Throws
-// Stopped (stop_signals.h), with a checkpoint written, at SIGINT and SIGTERM.
+// Trains, saves and evaluates; writes stats.json, skipped_frames.json (if any were skipped),
+// results.json and per_view.json. Returns once everything is on disk; the checkpoint is left to the
+// caller, who may have more to write. Throws Stopped (stop_signals.h), with a checkpoint written,
+// at SIGINT and SIGTERM.
 void RunTraining(const TrainOptions& options,
                  Trainer& trainer,
                  const std::vector<SkippedFrame>& skipped,
