@@ -412,8 +412,7 @@ LandmarkFit FitLandmarks(const FlameModel& model,
   const int seen =
       int(std::count_if(faces.begin(), faces.end(), [](const auto& f) { return bool(f); }));
   if (seen < kMinFaces)
-    throw Error(options.source,
-                Format("a face is in {} frames, expected at least {}", seen, kMinFaces));
+    throw Error(options.source, Format("faces found: {}, expected at least {}", seen, kMinFaces));
   LandmarkFitter fitter(model, embedding, faces, width, height, options);
   const int sweeps = 2 + kSmoothingSweeps + (options.silhouette ? kRimRounds : 0) +
                      (options.image ? kMaxPhotometricRounds : 0);

@@ -266,8 +266,7 @@ TEST(ScenePreset, TheDefaultImprovesOn3dgs) {
   TrainOptions o;
   const TrainSettings ours = o.ToSettings(1);
   EXPECT_FLOAT_EQ(ours.rates.scale, 1e-2f);
-  EXPECT_FLOAT_EQ(ours.rates.color, 1e-2f);
-  EXPECT_FLOAT_EQ(ours.rates.RestRate(), 5e-4f);
+  EXPECT_FLOAT_EQ(ours.rates.color, 2.5e-3f);
   EXPECT_FLOAT_EQ(ours.rates.opacity, 0.025f);
   EXPECT_FLOAT_EQ(ours.rates.rotation, 2e-3f);
   EXPECT_TRUE(ours.density.shares_opacity);
@@ -276,6 +275,9 @@ TEST(ScenePreset, TheDefaultImprovesOn3dgs) {
   EXPECT_FALSE(ours.schedule.ResetsOpacityAt(6000));
   EXPECT_EQ(ours.schedule.DownscaleAt(1), 4);
   EXPECT_FLOAT_EQ(ours.schedule.RateShare(30000), 0.2f);
+  o.iterations = 7000;
+  EXPECT_FLOAT_EQ(o.ToSettings(1).rates.color, 1e-2f);
+  o.iterations = 30000;
   o.scaling_lr = 3e-3f;
   o.feature_lr = 4e-3f;
   o.opacity_lr = 0.01f;
@@ -302,6 +304,7 @@ TEST(ScenePreset, TheDefaultImprovesOn3dgs) {
 
 TEST(ScenePreset, BlocksLearnAt3dgsRates) {
   SceneTrainOptions o;
+  o.iterations = 7000;
   EXPECT_FLOAT_EQ(o.ToSettings(1).rates.color, 1e-2f);
   o.blocks = 2;
   const TrainSettings s = o.ToSettings(1);

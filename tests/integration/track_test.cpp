@@ -216,7 +216,7 @@ TEST(Track, NamesWhatIsWrongAndWritesNothing) {
   });
   filmed.ExpectRefused({filmed.marks, "has no face"});
   filmed.Change([](LandmarkVideo& video) { video.frames.resize(1); });  // a photograph
-  filmed.ExpectRefused({filmed.images + ": a face is in 1 frames", "at least 3"});
+  filmed.ExpectRefused({filmed.images + ": faces found: 1, expected at least 3"});
   // A third may be missing, no more.
   filmed.Change([](LandmarkVideo& video) {
     for (size_t f = 0; f < video.frames.size(); f += 2) video.frames[f].faces.clear();

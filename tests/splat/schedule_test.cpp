@@ -131,6 +131,14 @@ TEST(Schedule, ThePositionsRateFallsLogLinearly) {
   EXPECT_NEAR(s.PositionRate(90000, 1.6e-4f, 1.6e-6f), 1.6e-6, 1e-11);
 }
 
+TEST(Schedule, ColoursLearnFasterInShorterRuns) {
+  EXPECT_FLOAT_EQ(Schedule::ColorRate(2.5e-3f, 30000), 2.5e-3f);
+  EXPECT_FLOAT_EQ(Schedule::ColorRate(2.5e-3f, 90000), 2.5e-3f);
+  EXPECT_FLOAT_EQ(Schedule::ColorRate(2.5e-3f, 15000), 5e-3f);
+  EXPECT_FLOAT_EQ(Schedule::ColorRate(2.5e-3f, 7500), 1e-2f);
+  EXPECT_FLOAT_EQ(Schedule::ColorRate(2.5e-3f, 100), 1e-2f);
+}
+
 TEST(Schedule, LastPositionRateGrowsAsARunGetsShorter) {
   EXPECT_FLOAT_EQ(Schedule::LastPositionRate(1.6e-4f, 30000), 1.6e-6f);
   EXPECT_FLOAT_EQ(Schedule::LastPositionRate(1.6e-4f, 90000), 1.6e-6f);

@@ -9,9 +9,9 @@ namespace {
 PresetRules SceneDefault() {
   PresetRules rules;
   rules.rates.scale = 1e-2f;
-  rules.rates.color = 1e-2f;
   rules.rates.opacity = 0.025f;
   rules.rates.rotation = 2e-3f;
+  rules.color_rate_by_length = true;
   rules.shares_opacity = true;
   // What is large beside the distance between the cameras is the background, not a fault.
   rules.limits_scale = false;
@@ -32,6 +32,7 @@ PresetRules BlockDefault() {
   PresetRules rules = SceneDefault();
   rules.rates = LearningRates();
   rules.rates.scale = SceneDefault().rates.scale;
+  rules.color_rate_by_length = false;
   return rules;
 }
 

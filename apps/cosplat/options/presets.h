@@ -26,8 +26,9 @@ struct PresetRules {
   OptionValues options;
   bool in_proportion = true;  // schedules are fractions of the run, not 3DGS's numbers of steps
   LearningRates rates;
-  bool shares_opacity = false;  // between a clone and its original
-  bool limits_scale = true;     // Gaussians that are large beside the scene are removed
+  bool color_rate_by_length = false;  // rates.color is that of 30,000 steps
+  bool shares_opacity = false;        // between a clone and its original
+  bool limits_scale = true;           // Gaussians that are large beside the scene are removed
   float opacity_reset_share = 1;
   int num_downscales = 0;
   float last_rate_share = 1;

@@ -29,6 +29,7 @@ TrainSettings TrainOptions::SettingsBy(const PresetRules& rules, float extent) c
   s.crop_loss.side = lpips_crop;
   s.rates = rules.rates;
   s.rates.position_lr_init = position_lr_init;
+  if (rules.color_rate_by_length) s.rates.color = Schedule::ColorRate(s.rates.color, iterations);
   s.rates.color = feature_lr.value_or(s.rates.color);
   s.rates.rest = rest_lr;
   s.rates.opacity = opacity_lr.value_or(s.rates.opacity);
