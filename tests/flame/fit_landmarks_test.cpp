@@ -300,7 +300,7 @@ TEST(FitLandmarks, FramesWithoutAFaceHaveNone) {
   EXPECT_FALSE(fit.frames[3]);
   EXPECT_TRUE(fit.frames[4]);
   for (size_t f = 2; f < seen.faces.size(); ++f) seen.faces[f].reset();
-  ExpectError([&] { seen.Fit(); }, {"2 frames", "at least 3"});
+  ExpectError([&] { seen.Fit(); }, {"faces found: 2", "at least 3"});
 }
 
 LandmarkFrame FrameOfFaces(int f, const std::vector<std::array<double, 3>>& squares) {
