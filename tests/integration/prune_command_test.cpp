@@ -74,6 +74,9 @@ TEST_F(PruneCommand, AvatarsPruneByTriangleAndFindTheirBudget) {
   const auto train = [&](const std::string& out, const std::vector<std::string>& more) {
     return TrainMadeAvatar(folder_ / out, 60, 1500, more);
   };
+  const CommandResult capped =
+      train("capped", {"--triangle-cap", "1", "--densification_interval", "10"});
+  EXPECT_NE(capped.out.find(" Gaussians by --triangle-cap"), std::string::npos) << capped.out;
   const CommandResult bare =
       train("triangle", {"--prune", "dcsharp-triangle", "--prune-to", "100"});
   ASSERT_EQ(bare.code, 0) << bare.err;

@@ -160,10 +160,11 @@ void RunTraining(const TrainOptions& o,
   run.Finish(skipped.size());
   const TrainingStatistics statistics = trainer.statistics();
   if (!o.quiet) PrintTrained(statistics);
+  const std::string& rule = trainer.settings().prune.rule;
   if (!o.quiet && statistics.pruned > 0)
     std::printf("pruned: %s Gaussians by %s\n",
                 WithThousands(statistics.pruned).c_str(),
-                trainer.settings().prune.rule.c_str());
+                rule == "none" ? "--triangle-cap" : rule.c_str());
   // Density control may add some percent after the last round.
   if (!o.quiet && o.prune_to && double(statistics.gaussians) > 1.05 * double(*o.prune_to))
     std::printf("--prune-to %s: %s are left, since without more of them there would be holes\n",
