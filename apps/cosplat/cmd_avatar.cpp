@@ -12,10 +12,12 @@
 #include "apps/cosplat/run/run_checkpoint.h"
 #include "apps/cosplat/run/track_run.h"
 #include "apps/cosplat/run/train_run.h"
+#include "flame/fit/fit_landmarks.h"
 #include "flame/fit/head_crop.h"
 #include "flame/model.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -80,6 +82,9 @@ void MakeAvatar(AvatarCommand o, const std::string& config) {
   // What is broken is found first.
   auto frames = std::make_unique<FrameSource>(o.track.source);
   PrintNotes(frames->notes());
+  if (frames->count() < kMinFaces)
+    throw Error(o.track.source,
+                Format("frames: {}, expected at least {}", frames->count(), kMinFaces));
   if (!o.flame.empty()) LoadFlameModel(o.flame);
   o.marks.source = o.track.source;
   o.marks.out = o.out + "/landmarks.json";

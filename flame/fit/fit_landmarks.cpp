@@ -408,7 +408,6 @@ LandmarkFit FitLandmarks(const FlameModel& model,
                          int height,
                          const LandmarkFitOptions& options,
                          const std::function<void(int done, int total)>& progress) {
-  constexpr int kMinFaces = 3;
   const int seen =
       int(std::count_if(faces.begin(), faces.end(), [](const auto& f) { return bool(f); }));
   if (seen < kMinFaces)

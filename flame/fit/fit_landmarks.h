@@ -21,6 +21,8 @@
 
 namespace cosplat {
 
+constexpr int kMinFaces = 3;  // that a track is fitted to
+
 struct LandmarkFitOptions {
   double focal = 0;  // px of the whole frame; 0: found, which needs a head that turns
   // Where in a frame the images are: the lens is in the middle of the whole frame.

@@ -397,6 +397,9 @@ TEST(Avatar, SaysWhatIsToBeKnownOfAVideo) {
       Cosplat({"avatar", images, "-o", folder / "me", "--landmarks", folder / "none.json"});
   EXPECT_EQ(result.code, 2);
   EXPECT_NE(result.err.find("the bars beside it are left out"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find(images + ": frames: 1, expected at least 3"), std::string::npos)
+      << result.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "me"));
 }
 
 TEST(Avatar, NamesAVideoThatCannotBeReadBeforeAnythingElse) {
