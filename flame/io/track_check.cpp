@@ -25,6 +25,7 @@ constexpr float kGreatExpression = 6;  // standard deviations
 // the next or last frame, and 21.9 and more (38 %) with mirrored ones.
 constexpr int kShifts = 2;
 constexpr double kShiftGain = 0.05, kFlipGain = 0.15;
+constexpr double kNoise = 1;  // of 255; what a still head's colours change by is its codec's
 // Overlap of the head's upper part with the masks (OverlapOf): 0.95 and 0.84 of real heads. Those
 // that are seen 0.7 or 1.5 times as large, or an eighth of the image aside, gain 0.18 to 0.43 where
 // they belong.
@@ -335,7 +336,7 @@ double SpreadOf(const std::vector<SeenFrame>& all, const Reading& reading) {
 // Points of a head look alike from frame to frame, if images and track belong together.
 void CheckColors(const std::vector<SeenFrame>& all, std::vector<Finding>& findings) {
   const double given = SpreadOf(all, {});
-  if (given < 0 || all.size() < 4) return;
+  if (given < kNoise || all.size() < 4) return;
   const auto say = [&](double min, const std::string& with, const char* advice) {
     findings.push_back({true,
                         "the head's points change colour by " + Format("{:.1f}", given) +
