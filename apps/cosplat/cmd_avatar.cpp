@@ -104,7 +104,7 @@ void MakeAvatar(AvatarCommand o, const std::string& config) {
   }
   frames.reset();  // with what it keeps
   Say(o, "3/4 Training an avatar, and evaluating it on frames that it has not seen");
-  TrainAvatar(o, config);
+  const bool sound = TrainAvatar(o, config);
   Say(o, "4/4 Writing the report and a playback");
   WriteReport(o.model, o.quiet);
   const bool chosen =
@@ -123,6 +123,7 @@ void MakeAvatar(AvatarCommand o, const std::string& config) {
         o.model.c_str(),
         o.out.c_str(),
         o.model.c_str());
+  if (!sound) EndAsWrong(o.source);
 }
 
 }  // namespace

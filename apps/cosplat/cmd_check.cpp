@@ -20,7 +20,6 @@
 namespace cosplat {
 namespace {
 
-constexpr int kSomethingWrong = 3;  // exit code
 constexpr size_t kPictures = 12;
 constexpr int kPictureSide = 960;  // px
 

@@ -184,14 +184,15 @@ void MakeDataset(const SceneCommand& o) {
 }
 
 // Trains, unless an earlier run did so, and writes the report and the orbit. What was interrupted
-// goes on.
-void Train(SceneCommand o, const std::string& config) {
+// goes on. Returns as TrainScene.
+bool Train(SceneCommand o, const std::string& config) {
   const std::string orbit = o.model + "/orbit.mp4";
   o.source = o.Data();
   o.resume = !o.overwrite;
-  TrainScene(o, config, OneRank());
+  const bool sound = TrainScene(o, config, OneRank());
   if (o.eval) WriteReport(o.model, o.quiet);
   if (!fs::exists(orbit)) RenderVideo(o.model, VideoOf::kOrbit, "", orbit, o.device, o.quiet);
+  return sound;
 }
 
 void Scene(const SceneCommand& o, const std::string& config) {
@@ -199,8 +200,8 @@ void Scene(const SceneCommand& o, const std::string& config) {
   if (fs::equivalent(o.photographs, o.model, ignored))
     throw Error(o.model, "is the folder of the photographs: results need one of their own");
   MakeDataset(o);
-  if (!o.cameras_only) return Train(o, config);
-  if (!o.quiet) std::printf("data set: %s\n", o.Data().c_str());
+  if (!o.cameras_only && !Train(o, config)) EndAsWrong(o.Data());
+  if (o.cameras_only && !o.quiet) std::printf("data set: %s\n", o.Data().c_str());
 }
 
 }  // namespace

@@ -150,9 +150,12 @@ void Save(const AvatarOptions& o,
 
 }  // namespace
 
-void TrainAvatar(AvatarOptions o, const std::string& config) {
+bool TrainAvatar(AvatarOptions o, const std::string& config) {
   const RunStart how = ChooseStart(o, config);
-  if (how == RunStart::kFinished) return PrintFinished(o);
+  if (how == RunStart::kFinished) {
+    PrintFinished(o);
+    return true;
+  }
   const Device device = o.ResolveDevice();
   const std::shared_ptr<Lpips> lpips = LoadLpips(o);
   if (o.sh_degree > kMaxSplatFileDegree && !o.truncate_degree)
@@ -164,7 +167,7 @@ void TrainAvatar(AvatarOptions o, const std::string& config) {
   FlameModel flame = LoadFlameModel(o.flame);
   if (o.mouth) flame = WithMouth(std::move(flame));
   TrackedVideo loaded = LoadSplitVideo(o.source, SplitOf(o), flame);
-  PrintFindings(o.source, CheckTrack(flame, loaded), o.strict);
+  const bool sound = PrintFindings(o.source, CheckTrack(flame, loaded), o.strict);
   if (TracksEyelids(loaded)) {
     flame = WithEyelids(std::move(flame));
     EyelidsToExpression(flame, loaded);
@@ -226,6 +229,7 @@ void TrainAvatar(AvatarOptions o, const std::string& config) {
   if (!o.quiet)
     std::printf("%.1f %% of the Gaussians moved to another triangle\n",
                 100 * subject.WalkedShare());
+  return sound;
 }
 
 void AddTrainAvatar(CLI::App& app) {
@@ -234,7 +238,7 @@ void AddTrainAvatar(CLI::App& app) {
   o->Declare(*command);
   command->callback([o, command, &app] {
     o->Settle(*command);
-    TrainAvatar(*o, ConfigOf(app, *command));
+    if (!TrainAvatar(*o, ConfigOf(app, *command))) EndAsWrong(o->source);
   });
 }
 

@@ -111,7 +111,7 @@ void SaveInputs(const SceneTrainOptions& o,
 
 }  // namespace
 
-void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<Ranks> ranks) {
+bool TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<Ranks> ranks) {
   if (FindPruneRule(o.prune).group_floor > 0)
     throw Error("--prune " + o.prune, "needs triangles: available in train-avatar only");
   if (o.blocks > 1 && !o.device) o.device = Device::kCpu;
@@ -125,7 +125,8 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
   const RunStart how = ChooseStart(o, config, *ranks);
   if (how == RunStart::kFinished) {
     if (writes && o.blocks > 1) BlockFiles::Remove(o.model);  // it may have been stopped before
-    return PrintFinished(o);
+    PrintFinished(o);
+    return true;
   }
   // "auto" is the CPU for all ranks if it is for one of them.
   const Device device = Device(Smallest(uint32_t(o.ResolveDevice()), *ranks));
@@ -135,7 +136,8 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
   ChooseImages(o.images, split);
   SceneData scene = LoadSplitScene(o.source, split);
   split.origin = scene.origin;
-  if (writes || o.strict) PrintFindings(o.source, CheckScene(scene), o.strict);
+  bool sound = true;
+  if (writes || o.strict) sound = PrintFindings(o.source, CheckScene(scene), o.strict);
   const MemoryPlan plan = PlanMemory(o, scene);
   o.max_gaussians = plan.at_once();
   TrainingScene loaded = LoadTrainingScene(scene, plan.for_photographs());
@@ -189,9 +191,10 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
         Evaluate(o, device, test, o.iterations, gaussians.degree, gaussians);
       };
     TrainInBlocks(o, std::move(start), subject, scene.skipped, hooks, checkpoint, *ranks);
-    if (!writes) return;
+    if (!writes) return sound;
     checkpoint.Remove();
-    return BlockFiles::Remove(o.model);
+    BlockFiles::Remove(o.model);
+    return sound;
   }
   Trainer& trainer = *whole;
   RunHooks hooks;
@@ -211,6 +214,7 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
     };
   RunTraining(o, trainer, scene.skipped, hooks, checkpoint);
   if (writes) checkpoint.Remove();
+  return sound;
 }
 
 namespace {
@@ -219,7 +223,7 @@ namespace {
 void TrainOnRanks(const SceneTrainOptions& o, const std::string& config) {
   const std::shared_ptr<Ranks> ranks = JoinRanks();
   try {
-    TrainScene(o, config, ranks);
+    if (!TrainScene(o, config, ranks)) EndAsWrong(o.source);
   } catch (const Stopped& stopped) {
     ranks->EndTogether();
     if (ranks->rank() == 0) throw;

@@ -60,15 +60,15 @@ void RenderVideo(const std::string& model,
                  const std::string& out,
                  std::optional<Device> device,
                  bool quiet);
-// As `train-avatar`. `config`: of ConfigOf. Throws Error before anything is written if the data or
-// the options cannot be used.
-void TrainAvatar(AvatarOptions options, const std::string& config);
+// As `train-avatar`. `config`: of ConfigOf. Returns false if the data was said to be wrong
+// (run/notes.h). Throws Error before anything is written if the data or the options cannot be used.
+bool TrainAvatar(AvatarOptions options, const std::string& config);
 // As `train-scene`: reads o.source, trains, and writes the run folder o.model (run_folder.h).
 // Prints what it reads and reaches, unless quiet. Resumes an interrupted run, and leaves a finished
-// one as it is, where the options say so. Throws Error before anything is written if the data or
-// the options cannot be used; Stopped as RunTraining does. ranks: with whom it trains; rank 0 alone
-// writes and prints.
-void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<Ranks> ranks);
+// one as it is, where the options say so. Returns false if the data was said to be wrong
+// (run/notes.h). Throws Error before anything is written if the data or the options cannot be used;
+// Stopped as RunTraining does. ranks: with whom it trains; rank 0 alone writes and prints.
+bool TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<Ranks> ranks);
 // As `landmarks`, of frames of options.source, which are cropped to the head where it says so. The
 // first use installs MediaPipe's packages by npm into the user's cache folder, and says so; later
 // ones need no network. Shows progress and prints a summary. Throws Error that says what to install

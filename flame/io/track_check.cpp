@@ -297,15 +297,24 @@ struct Reading {
   bool mirror_x = false, mirror_y = false;
 };
 
-// Mean deviation of the visible points' colours over the frames, of 255. Negative if too few are
-// seen.
-double SpreadOf(const std::vector<SeenFrame>& all, const Reading& reading) {
+// Of the visible points' colours, means, of 255.
+struct ColorSpread {
+  double change = HUGE_VAL;  // of a point, from frame to frame: its deviation; if enough are seen
+  double contrast = 0;       // of its mean colour to those beside it
+  // What images that are mirrored are judged by: the wall, or the empty mask, beside a head that is
+  // not in the middle does not change either, but has no contrast.
+  double blur() const { return contrast > 0 ? (change + kNoise) / contrast : HUGE_VAL; }
+};
+
+ColorSpread SpreadOf(const FlameModel& flame,
+                     const std::vector<SeenFrame>& all,
+                     const Reading& reading) {
   const size_t vertices = all[0].points.size();
-  std::vector<std::array<double, 3>> sum(vertices), squares(vertices);
+  std::vector<std::array<double, 3>> sum(vertices), squares(vertices), mean(vertices);
   std::vector<size_t> count(vertices);
   for (const SeenFrame& seen : all) {
     const Image8& image = seen.images[size_t(kShifts + reading.shift)];
-    if (image.empty()) return -1;
+    if (image.empty()) return {};
     for (size_t v = 0; v < vertices; ++v) {
       if (!seen.visible[v]) continue;
       int x = std::min(int(seen.points[v].x), image.width - 1),
@@ -320,23 +329,35 @@ double SpreadOf(const std::vector<SeenFrame>& all, const Reading& reading) {
       ++count[v];
     }
   }
-  double total = 0;
-  size_t used = 0;
+  const auto is_used = [&](size_t v) { return v < vertices && 2 * count[v] >= all.size(); };
+  double change = 0, contrast = 0;
+  size_t used = 0, beside = 0;
   for (size_t v = 0; v < vertices; ++v) {
-    if (2 * count[v] < all.size()) continue;
+    if (!is_used(v)) continue;
     for (size_t c = 0; c < 3; ++c) {
-      const double mean = sum[v][c] / double(count[v]);
-      total += std::sqrt(std::max(0.0, squares[v][c] / double(count[v]) - mean * mean));
+      const double m = mean[v][c] = sum[v][c] / double(count[v]);
+      change += std::sqrt(std::max(0.0, squares[v][c] / double(count[v]) - m * m));
     }
     used += 3;
   }
-  return used < 300 ? -1 : total / double(used);
+  if (used < 300) return {};
+  for (const auto& face : flame.faces)
+    for (size_t k = 0; k < 3; ++k) {
+      const size_t a = size_t(face[k]), b = size_t(face[(k + 1) % 3]);
+      if (!is_used(a) || !is_used(b)) continue;
+      for (size_t c = 0; c < 3; ++c) contrast += std::abs(mean[a][c] - mean[b][c]);
+      beside += 3;
+    }
+  return {change / double(used), beside > 0 ? contrast / double(beside) : 0};
 }
 
 // Points of a head look alike from frame to frame, if images and track belong together.
-void CheckColors(const std::vector<SeenFrame>& all, std::vector<Finding>& findings) {
-  const double given = SpreadOf(all, {});
-  if (given < kNoise || all.size() < 4) return;
+void CheckColors(const FlameModel& flame,
+                 const std::vector<SeenFrame>& all,
+                 std::vector<Finding>& findings) {
+  const ColorSpread as_given = SpreadOf(flame, all, {});
+  const double given = as_given.change;
+  if (given < kNoise || given == HUGE_VAL || all.size() < 4) return;
   const auto say = [&](double min, const std::string& with, const char* advice) {
     findings.push_back({true,
                         "the head's points change colour by " + Format("{:.1f}", given) +
@@ -345,17 +366,18 @@ void CheckColors(const std::vector<SeenFrame>& all, std::vector<Finding>& findin
   };
   const char* what[4] = {"", "mirrored left to right", "mirrored top to bottom", "upside down"};
   int best = 0;
-  double min = (1 - kFlipGain) * given;
+  double blur = (1 - kFlipGain) * as_given.blur(), min = given;
   for (int flip = 1; flip < 4; ++flip) {
-    const double spread = SpreadOf(all, {0, (flip & 1) != 0, (flip & 2) != 0});
-    if (spread >= 0 && spread < min) min = spread, best = flip;
+    const ColorSpread seen = SpreadOf(flame, all, {0, (flip & 1) != 0, (flip & 2) != 0});
+    if (seen.blur() < blur && seen.change < (1 - kFlipGain) * given)
+      blur = seen.blur(), min = seen.change, best = flip;
   }
   if (best != 0)
     return say(min, std::string("the images ") + what[best], "turn the images, or the track");
   min = (1 - kShiftGain) * given;
   for (int shift = -kShifts; shift <= kShifts; ++shift) {
-    const double spread = SpreadOf(all, {shift});
-    if (spread >= 0 && spread < min) min = spread, best = shift;
+    const double change = SpreadOf(flame, all, {shift}).change;
+    if (change < min) min = change, best = shift;
   }
   if (best != 0)
     say(min,
@@ -409,7 +431,7 @@ std::vector<Finding> CheckTrack(const FlameModel& flame, const TrackedVideo& vid
   CheckImages(all, findings);
   CheckMasks(all, findings);
   CheckPlace(flame, all, findings);
-  CheckColors(all, findings);
+  CheckColors(flame, all, findings);
   CheckExpressions(flame, all, findings);
   return findings;
 }

@@ -1,6 +1,8 @@
 // `cosplat check` and --strict: exit codes and what they print.
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "tests/integration/command.h"
 #include "tests/street/nerf_scene.h"
 
@@ -29,10 +31,10 @@ TEST(CheckCommand, SaysByItsExitCode) {
   EXPECT_EQ(Cosplat({"check", scenes.bad.folder / "none"}).code, 2);
 }
 
-TEST(CheckCommand, TrainingSaysIt) {
+TEST(CheckCommand, TrainingSaysItByItsExitCodeToo) {
   const Scenes scenes;
+  const TemporaryFolder out;
   const auto train = [&](const char* option) {
-    const TemporaryFolder out;
     return Cosplat({"train-scene",
                     "-s",
                     scenes.bad.folder.path(),
@@ -43,8 +45,11 @@ TEST(CheckCommand, TrainingSaysIt) {
                     option});
   };
   const CommandResult trained = train("--quiet");
-  EXPECT_EQ(trained.code, 0) << trained.err;
+  EXPECT_EQ(trained.code, 3) << trained.err;
   EXPECT_NE(trained.err.find("WRONG: "), std::string::npos) << trained.err;
+  EXPECT_NE(trained.err.find("the results are of data that is WRONG"), std::string::npos)
+      << trained.err;
+  EXPECT_TRUE(std::filesystem::exists(out / "run/point_cloud/iteration_2/point_cloud.ply"));
   const CommandResult refused = train("--strict");
   EXPECT_EQ(refused.code, 2) << refused.err;
   EXPECT_NE(refused.err.find("--strict refuses it"), std::string::npos) << refused.err;

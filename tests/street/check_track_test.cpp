@@ -58,6 +58,32 @@ TEST_F(CheckTrackOf, ImagesUpsideDown) {
   EXPECT_TRUE(Wrong(Check(), "upside down")) << Said(Check());
 }
 
+// Mirrored, most of the head's points would be where the mask is empty, or on a wall.
+TEST_F(CheckTrackOf, AHeadAsideOfTheMiddle) {
+  constexpr int kAside = 60;  // px
+  const std::vector<TrackedFrame*> frames = FramesInOrder(video_);
+  std::vector<std::shared_ptr<const Image8>> images;
+  for (TrackedFrame* frame : frames) {
+    images.push_back(frame->image);
+    frame->camera.width += kAside;
+    frame->camera.cx += kAside;
+  }
+  for (const uint8_t wall : {uint8_t(0), uint8_t(150)}) {
+    for (size_t f = 0; f < frames.size(); ++f) {
+      const Image8& old = *images[f];
+      Image8 image(old.width + kAside, old.height, wall > 0 ? 3 : 4);
+      for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x)
+          for (int c = 0; c < image.channels; ++c) {
+            const bool is_head = x >= kAside && old.at(x - kAside, y, 3) > 127;
+            image.at(x, y, c) = is_head ? old.at(x - kAside, y, c) : wall;
+          }
+      frames[f]->image = std::make_shared<Image8>(std::move(image));
+    }
+    EXPECT_EQ(Said(Check()), "") << int(wall);
+  }
+}
+
 TEST_F(CheckTrackOf, ImagesOfOtherMoments) {
   for (const int shift : {-3, 3}) {
     const std::vector<TrackedFrame*> frames = FramesInOrder(video_);

@@ -1,5 +1,6 @@
 #include "apps/cosplat/run/notes.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "splat/base/error.h"
@@ -24,10 +25,21 @@ std::string ToString(const std::vector<Finding>& findings) {
   return text;
 }
 
-void PrintFindings(const std::string& source, const std::vector<Finding>& findings, bool strict) {
+bool PrintFindings(const std::string& source, const std::vector<Finding>& findings, bool strict) {
   if (!findings.empty()) std::fprintf(stderr, "%s", ToString(findings).c_str());
-  if (strict && AnyWrong(findings))
+  const bool wrong = AnyWrong(findings);
+  if (strict && wrong)
     throw Error(source, "check", "something is wrong with the data (above): --strict refuses it");
+  return !wrong;
+}
+
+void EndAsWrong(const std::string& source) {
+  std::fprintf(stderr,
+               "cosplat: %s: check: the results are of data that is WRONG, as said before the "
+               "first step (exit code %d)\n",
+               source.c_str(),
+               kSomethingWrong);
+  throw CLI::RuntimeError(kSomethingWrong);
 }
 
 void PrintSkipped(const std::vector<SkippedFrame>& skipped) {

@@ -22,9 +22,15 @@ Gaussians ReadSplatsAloud(const std::string& path);
 // A block of lines, what is wrong first; "the data tells one story" if there are none.
 std::string ToString(const std::vector<Finding>& findings);
 
-// Before training: prints the block on stderr, if there is any. Throws Error if something is wrong
-// and `strict`.
-void PrintFindings(const std::string& source, const std::vector<Finding>& findings, bool strict);
+// Before training: prints the block on stderr, if there is any, and returns whether the data tells
+// one story. Throws Error if something is wrong and `strict`.
+bool PrintFindings(const std::string& source, const std::vector<Finding>& findings, bool strict);
+
+constexpr int kSomethingWrong = 3;  // exit code: results are whole, but of data that is wrong
+
+// Ends a command that made all it was asked for of data that is wrong: a line on stderr, and that
+// exit code.
+[[noreturn]] void EndAsWrong(const std::string& source);
 
 // Prints the number of skipped frames, and up to five of them with their reasons.
 void PrintSkipped(const std::vector<SkippedFrame>& skipped);
