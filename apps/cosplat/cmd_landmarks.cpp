@@ -24,6 +24,7 @@
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/video_mattes.h"
 #include "flame/fit/choose_frames.h"
+#include "flame/fit/choose_person.h"
 #include "flame/fit/face_looks.h"
 #include "flame/fit/landmark_scores.h"
 #include "splat/base/error.h"
@@ -62,12 +63,13 @@ std::string MatteFolder(const std::string& landmarks) {
 }
 
 // Mattes made by somebody count before the frames' alpha, and that before what the detector found
-// in the images `found_as`, which is refined.
+// in the images `found_as`, which is refined. others: faces of other people in these images.
 void WriteMattes(const LandmarkRunOptions& o,
                  const FrameSource& frames,
                  const std::optional<OwnMattes>& own,
                  const FaceDetector& detector,
                  const std::vector<size_t>& found_as,
+                 const std::vector<std::vector<LandmarkBox>>& others,
                  LandmarkVideo& video) {
   const std::string to = MatteFolder(o.out);
   MakeDirectories(to);
@@ -92,7 +94,14 @@ void WriteMattes(const LandmarkRunOptions& o,
   const MatteRefiner refiner = RefinerOf(
       video,
       [&](int i) { return detector.Added(found_as[size_t(i)]); },
-      [&](int i) { return detector.Matte(found_as[size_t(i)]); });
+      [&](int i) {
+        Image8 matte = detector.Matte(found_as[size_t(i)]);
+        std::vector<FaceBox> theirs;
+        for (const LandmarkBox& box : others[found_as[size_t(i)]]) theirs.push_back(FaceBoxOf(box));
+        if (const auto face = FaceBoxOf(video.frames[size_t(i)]))
+          LeaveToOthers(*face, theirs, matte);
+        return matte;
+      });
   constexpr size_t kAtOnce = 16;
   const size_t done = size_t(count) - left.size();
   for (size_t begin = 0; begin < left.size(); begin += kAtOnce) {
@@ -103,6 +112,15 @@ void WriteMattes(const LandmarkRunOptions& o,
 }
 
 }  // namespace
+
+// next_person: of Person.
+std::vector<std::string> PeopleNotes(const std::string& source, double next_person) {
+  constexpr double kTold = 1. / 3;  // less may be a picture on the wall, or a face that is none
+  if (next_person < kTold) return {};
+  return {source +
+          ": shows another person, too; the one who is seen larger or longer is used (cut "
+          "the other out, if it is meant)"};
+}
 
 void DetectLandmarks(const LandmarkRunOptions& o, FrameSource& frames) {
   std::optional<OwnMattes> own;
@@ -140,6 +158,8 @@ void DetectLandmarks(const LandmarkRunOptions& o, FrameSource& frames) {
   ProgressBar looking("landmarks", count, o.quiet, OffTerminal::kLines);
   detector.Run(MillisecondsOf(video), true, [&](int done) { looking.Update(done, "frames"); });
   auto faces = detector.Faces();
+  const Person person = KeepPerson(faces);
+  PrintNotes(PeopleNotes(o.source, std::max(head.next_person, person.next)));
   for (size_t f = 0; f < video.frames.size(); ++f) video.frames[f].faces = std::move(faces.at(f));
   const auto seen = std::count_if(
       video.frames.begin(), video.frames.end(), [](const auto& f) { return !f.faces.empty(); });
@@ -147,7 +167,7 @@ void DetectLandmarks(const LandmarkRunOptions& o, FrameSource& frames) {
   std::vector<size_t> found_as(video.frames.size());
   std::iota(found_as.begin(), found_as.end(), size_t(0));
   if (choice.held_out > 0) found_as = KeepBest(detector, o.frames, video);
-  WriteMattes(o, frames, own, detector, found_as, video);
+  WriteMattes(o, frames, own, detector, found_as, person.others, video);
   AddScores(video);
   WriteLandmarks(o.out, video);
   if (o.quiet) return;

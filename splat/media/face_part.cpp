@@ -63,6 +63,22 @@ void FillHoles(const FaceBox& face, Image8& inside, Image& matte) {
 
 }  // namespace
 
+void LeaveToOthers(const FaceBox& face, const std::vector<FaceBox>& others, Image8& matte) {
+  if (others.empty()) return;
+  const auto distance = [](const FaceBox& box, int x, int y) {  // squared
+    const double width = box.right - box.left, height = box.bottom - box.top;
+    const double dx = x + 0.5 - (box.left + box.right) / 2;
+    const double dy = y + 0.5 - (box.top + box.bottom) / 2;
+    return (dx * dx + dy * dy) / std::max(width * height, 1e-6);
+  };
+  for (int y = 0; y < matte.height; ++y)
+    for (int x = 0; x < matte.width; ++x) {
+      const double ours = distance(face, x, y);
+      for (const FaceBox& other : others)
+        if (distance(other, x, y) < ours) matte.at(x, y, 0) = 0;
+    }
+}
+
 Image PersonOf(const Image8& matte, const std::optional<FaceBox>& face, int reach) {
   Image8 inside(matte.width, matte.height, 1);
   for (size_t i = 0; i < matte.data.size(); ++i) inside.data[i] = matte.data[i] >= 128;

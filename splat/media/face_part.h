@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "splat/base/image.h"
 
@@ -12,6 +13,9 @@ namespace cosplat {
 struct FaceBox {
   double left = 0, top = 0, right = 0, bottom = 0;  // px
 };
+
+// Clears what of a person's matte is nearer to one of the other faces, in units of their sizes.
+void LeaveToOthers(const FaceBox& face, const std::vector<FaceBox>& others, Image8& matte);
 
 constexpr float kClearMatte = 0.04f;  // a network is sure that there is nobody below it
 

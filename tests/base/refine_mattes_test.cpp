@@ -161,6 +161,21 @@ TEST(RefineMattes, KeepTheFacesPartAndFillItsHoles) {
   for (const Image8& matte : scene.Refined()) EXPECT_EQ(matte.at(40, 78, 0), 0);
 }
 
+// Two whose shoulders touch are one part; each has the side that is nearer, by their faces' sizes.
+TEST(RefineMattes, WhoIsBesideIsLeftOut) {
+  Image8 matte(100, 60, 1);
+  std::fill(matte.data.begin(), matte.data.end(), uint8_t(255));
+  const FaceBox ours{10, 10, 30, 30}, theirs{70, 10, 80, 20};
+  Image8 same = matte;
+  LeaveToOthers(ours, {}, same);
+  EXPECT_EQ(same.data, matte.data);
+  LeaveToOthers(ours, {theirs}, matte);
+  EXPECT_EQ(matte.at(20, 20, 0), 255);
+  EXPECT_EQ(matte.at(50, 20, 0), 255);  // 30 px of 20, 25 px of 10
+  EXPECT_EQ(matte.at(60, 20, 0), 0);
+  EXPECT_EQ(matte.at(20, 59, 0), 255);
+}
+
 TEST(RefineMattes, WithoutAFaceTheLargestPartIsKept) {
   Scene scene = MakeScene(0, 0, 0);
   for (Image8& matte : scene.mattes) Draw(matte, 74, 70, 16, 255);

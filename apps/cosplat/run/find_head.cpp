@@ -10,6 +10,7 @@
 
 #include "apps/cosplat/run/face_detector.h"
 #include "apps/cosplat/run/progress_bar.h"
+#include "flame/fit/choose_person.h"
 #include "flame/fit/choose_shots.h"
 #include "flame/fit/face_box.h"
 #include "flame/fit/face_looks.h"
@@ -28,10 +29,11 @@ constexpr double kApart = 1000;  // milliseconds
 
 using Faces = std::vector<DetectedFace>;
 
-// What was found in some frames. Faces: px of the frame.
+// What was found in some frames. Faces: px of the frame, of one person in each shot.
 struct Sample {
-  std::vector<int> frames;
+  std::vector<int> frames;   // increasing
   std::vector<Faces> faces;  // [frames]
+  double next_person = 0;    // Person::next, the largest of all shots
 
   size_t with_faces() const {
     return size_t(std::count_if(faces.begin(), faces.end(), [](auto& f) { return !f.empty(); }));
@@ -47,6 +49,7 @@ struct HeadSearch {
 
   Sample Look(int count, const std::vector<Crop>& windows) const;
   Sample LookForSmall() const;
+  void KeepPeople(Sample& sample) const;
   std::vector<FaceLook> LooksOf(const Sample& sample) const;
 };
 
@@ -100,7 +103,19 @@ Sample HeadSearch::Look(int count, const std::vector<Crop>& windows) const {
       }
       sample.faces[i / windows.size()].push_back(std::move(face));
     }
+  KeepPeople(sample);
   return sample;
+}
+
+void HeadSearch::KeepPeople(Sample& sample) const {
+  size_t i = 0;
+  for (const Shot& shot : shots) {
+    const size_t begin = i;
+    while (i < sample.frames.size() && sample.frames[i] < shot.end) ++i;
+    std::vector<Faces> of_shot(sample.faces.begin() + long(begin), sample.faces.begin() + long(i));
+    sample.next_person = std::max(sample.next_person, KeepPerson(of_shot).next);
+    std::move(of_shot.begin(), of_shot.end(), sample.faces.begin() + long(begin));
+  }
 }
 
 // The same for a head that is too small for the detector in whole frames, which sees no face that
@@ -197,6 +212,7 @@ FoundHead FindHead(const std::string& source, const FrameSource& frames, int siz
     search.shots = alike;
   }
   found.frames = FramesOf(search.shots);
+  found.next_person = sample.next_person;
   if (crops) found.crop = HeadCrop(sample.faces, width, height, size);
   return found;
 }

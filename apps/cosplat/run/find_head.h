@@ -15,6 +15,7 @@ struct FoundHead {
   std::vector<int> frames;         // increasing: those of all shots that are alike (ShotsAlike)
   std::optional<FrameCrop> crop;   // none where the frames are no larger than it would be
   std::vector<std::string> notes;  // what a user should know: that shots are left out
+  double next_person = 0;          // of the frames looked at (flame/fit/choose_person.h)
 };
 
 // size: px, of HeadCrop; 0: no crop. Shows progress unless quiet. Throws Error naming `source` if

@@ -62,10 +62,11 @@ Image8 OwnMattes::Read(int frame) const {
   return matte;
 }
 
+FaceBox FaceBoxOf(const LandmarkBox& box) { return {box.left, box.top, box.right, box.bottom}; }
+
 std::optional<FaceBox> FaceBoxOf(const LandmarkFrame& frame) {
   if (frame.faces.empty()) return {};
-  const LandmarkBox box = BoxOf(LargestFace(frame.faces).points);
-  return FaceBox{box.left, box.top, box.right, box.bottom};
+  return FaceBoxOf(BoxOf(LargestFace(frame.faces).points));
 }
 
 MatteRefiner RefinerOf(const LandmarkVideo& video,
