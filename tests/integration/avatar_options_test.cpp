@@ -294,8 +294,11 @@ TEST(ScenePreset, TheDefaultImprovesOn3dgs) {
   EXPECT_FLOAT_EQ(given.density.gradient_threshold, 2e-4f);
   o.antialiasing = true;
   EXPECT_FLOAT_EQ(o.ToSettings(1).density.gradient_threshold, 1.6e-4f);
+  EXPECT_EQ(o.ToSettings(1).LossAt(30000).mse, 0);
   o.renderings = true;
   EXPECT_FLOAT_EQ(o.ToSettings(1).density.gradient_threshold, 1.5e-4f);
+  EXPECT_EQ(o.ToSettings(1).LossAt(15000).mse, 0);
+  EXPECT_EQ(o.ToSettings(1).LossAt(15001).mse, 30);
   o.densify_grad_threshold = 3e-4f;
   EXPECT_FLOAT_EQ(o.ToSettings(1).density.gradient_threshold, 3e-4f);
   EXPECT_TRUE(given.schedule.ResetsOpacityAt(14000))
@@ -327,6 +330,7 @@ TEST(ScenePreset, The3dgsOneIs3dgs) {
   EXPECT_FLOAT_EQ(s.density.gradient_threshold, 2e-4f);
   EXPECT_FALSE(s.density.shares_opacity);
   EXPECT_FLOAT_EQ(s.density.max_scale, 0.1f);
+  EXPECT_EQ(s.LossAt(30000).mse, 0);
   EXPECT_TRUE(s.schedule.ResetsOpacityAt(12000));
   EXPECT_EQ(s.schedule.DownscaleAt(1), 1);
   EXPECT_EQ(s.schedule.RateShare(30000), 1);

@@ -22,6 +22,8 @@ PresetRules SceneDefault() {
   rules.antialiased_grad_threshold = 1.6e-4f;
   // Exact cameras and no noise: more detail is there, and more Gaussians do not overfit.
   rules.renderings_grad_threshold = 1.5e-4f;
+  // Nor is there anything in them that squares would give too much weight.
+  rules.renderings_late_mse = 30;
   return rules;
 }
 
@@ -33,6 +35,7 @@ PresetRules BlockDefault() {
   rules.rates = LearningRates();
   rules.rates.scale = SceneDefault().rates.scale;
   rules.color_rate_by_length = false;
+  rules.renderings_late_mse = 0;
   return rules;
 }
 

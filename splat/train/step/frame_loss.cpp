@@ -48,8 +48,12 @@ void FrameLoss::Evaluate(const float* exposure, const RenderedImage& image, Subm
       done[count++] = {stage, compared};
       compared = &stage->Forward(*compared, frame, stream_);
     }
-  loss_.Evaluate(
-      settings_.loss, *compared, frame.target, plan.render.background, d_color_, stream_);
+  loss_.Evaluate(settings_.LossAt(plan.iteration),
+                 *compared,
+                 frame.target,
+                 plan.render.background,
+                 d_color_,
+                 stream_);
   step.photometric.Ask(loss_.value(), stream_);
   if (has_crop()) AddCropLoss(step, *compared, image);
   while (count-- > 0) done[count].first->Backward(*done[count].second, frame, d_color_, stream_);

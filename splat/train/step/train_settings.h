@@ -60,6 +60,7 @@ struct TrainSettings {
   uint64_t seed = 0;
   Background background = Background::kBlack;
   LossWeights loss;
+  float late_mse = 0;  // is added to the loss' weight of the squared error after density control
   CropLossSettings crop_loss;
   ScaleRegularizer scale_regularizer;
   LearningRates rates;
@@ -76,6 +77,12 @@ struct TrainSettings {
   // Trains an exposure of every frame (splat/train/loss/photograph.h).
   bool exposure = false;
   int exp_degree = kMaxExpDegree;  // of the blend loop's exponential (splat/config.h)
+
+  LossWeights LossAt(int iteration) const {
+    LossWeights weights = loss;
+    if (iteration > schedule.densify_until) weights.mse += late_mse;
+    return weights;
+  }
 };
 
 }  // namespace cosplat
