@@ -298,7 +298,7 @@ TEST(ScenePreset, TheDefaultImprovesOn3dgs) {
   o.renderings = true;
   EXPECT_FLOAT_EQ(o.ToSettings(1).density.gradient_threshold, 1.5e-4f);
   EXPECT_EQ(o.ToSettings(1).LossAt(15000).mse, 0);
-  EXPECT_EQ(o.ToSettings(1).LossAt(15001).mse, 30);
+  EXPECT_EQ(o.ToSettings(1).LossAt(15001).mse, 15);
   o.densify_grad_threshold = 3e-4f;
   EXPECT_FLOAT_EQ(o.ToSettings(1).density.gradient_threshold, 3e-4f);
   EXPECT_TRUE(given.schedule.ResetsOpacityAt(14000))

@@ -131,6 +131,12 @@ TEST(Schedule, ThePositionsRateFallsLogLinearly) {
   EXPECT_NEAR(s.PositionRate(90000, 1.6e-4f, 1.6e-6f), 1.6e-6, 1e-11);
 }
 
+TEST(Schedule, SquaredErrorsCountLessInLongRuns) {
+  EXPECT_EQ(Schedule::LateMse(30, 300), 30);
+  EXPECT_EQ(Schedule::LateMse(30, 15000), 30);
+  EXPECT_EQ(Schedule::LateMse(30, 60000), 7.5f);
+}
+
 TEST(Schedule, ColoursLearnFasterInShorterRuns) {
   EXPECT_FLOAT_EQ(Schedule::ColorRate(2.5e-3f, 30000), 2.5e-3f);
   EXPECT_FLOAT_EQ(Schedule::ColorRate(2.5e-3f, 90000), 2.5e-3f);

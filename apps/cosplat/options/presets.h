@@ -33,7 +33,7 @@ struct PresetRules {
   int num_downscales = 0;
   float last_rate_share = 1;
   float mse = 0;                                   // weight in the loss
-  float renderings_late_mse = 0;                   // TrainSettings::late_mse of renderings
+  float renderings_late_mse = 0;                   // LateMse of renderings, of short runs
   bool all_bands_at_start = false;                 // of colour
   std::optional<int> densify_from, densify_until;  // of 30,000 steps; none: 3DGS's
   // Screen gradients from which Gaussians are added. None: 3DGS's.

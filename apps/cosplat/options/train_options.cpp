@@ -23,7 +23,7 @@ TrainSettings TrainOptions::SettingsBy(const PresetRules& rules, float extent) c
   s.antialiasing = antialiasing;
   s.exposure = exposure;
   s.loss = {1 - lambda_dssim, lambda_dssim, rules.mse};
-  if (renderings) s.late_mse = rules.renderings_late_mse;
+  if (renderings) s.late_mse = Schedule::LateMse(rules.renderings_late_mse, iterations);
   if (lambda_lpips > 0 && lpips.empty())
     throw Error("--lambda_lpips", "needs a network: --lpips DIR (docs/lpips.md)");
   s.crop_loss.weight = lambda_lpips;

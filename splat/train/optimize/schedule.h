@@ -96,6 +96,10 @@ struct Schedule {
   static float ColorRate(float rate_of_30000, int iterations) {
     return rate_of_30000 * std::clamp(30000.0f / float(iterations), 1.0f, 4.0f);
   }
+  // TrainSettings::late_mse. In 30,000 steps that of short runs costs SSIM (docs/reference.md).
+  static float LateMse(float of_short_runs, int iterations) {
+    return of_short_runs * std::min(15000.0f / float(iterations), 1.0f);
+  }
   // Factor on the learning rates other than that of positions.
   float RateShare(int iteration) const {
     const float t =
