@@ -138,6 +138,7 @@ bool TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
   split.origin = scene.origin;
   bool sound = true;
   if (writes || o.strict) sound = PrintFindings(o.source, CheckScene(scene), o.strict);
+  sound = Smallest(uint32_t(sound), *ranks) != 0;
   const MemoryPlan plan = PlanMemory(o, scene);
   o.max_gaussians = plan.at_once();
   TrainingScene loaded = LoadTrainingScene(scene, plan.for_photographs());
@@ -223,7 +224,10 @@ namespace {
 void TrainOnRanks(const SceneTrainOptions& o, const std::string& config) {
   const std::shared_ptr<Ranks> ranks = JoinRanks();
   try {
-    if (!TrainScene(o, config, ranks)) EndAsWrong(o.source);
+    if (TrainScene(o, config, ranks)) return;
+    ranks->EndTogether();
+    if (ranks->rank() == 0) EndAsWrong(o.source);
+    throw CLI::RuntimeError(kSomethingWrong);
   } catch (const Stopped& stopped) {
     ranks->EndTogether();
     if (ranks->rank() == 0) throw;

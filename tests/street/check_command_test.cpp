@@ -33,8 +33,7 @@ TEST(CheckCommand, SaysByItsExitCode) {
 
 TEST(CheckCommand, TrainingSaysItByItsExitCodeToo) {
   const Scenes scenes;
-  const TemporaryFolder out;
-  const auto train = [&](const char* option) {
+  const auto train = [&](const TemporaryFolder& out, const char* option) {
     return Cosplat({"train-scene",
                     "-s",
                     scenes.bad.folder.path(),
@@ -44,13 +43,14 @@ TEST(CheckCommand, TrainingSaysItByItsExitCodeToo) {
                     "2",
                     option});
   };
-  const CommandResult trained = train("--quiet");
+  const TemporaryFolder out, other;
+  const CommandResult trained = train(out, "--quiet");
   EXPECT_EQ(trained.code, 3) << trained.err;
   EXPECT_NE(trained.err.find("WRONG: "), std::string::npos) << trained.err;
   EXPECT_NE(trained.err.find("the results are of data that is WRONG"), std::string::npos)
       << trained.err;
   EXPECT_TRUE(std::filesystem::exists(out / "run/point_cloud/iteration_2/point_cloud.ply"));
-  const CommandResult refused = train("--strict");
+  const CommandResult refused = train(other, "--strict");
   EXPECT_EQ(refused.code, 2) << refused.err;
   EXPECT_NE(refused.err.find("--strict refuses it"), std::string::npos) << refused.err;
 }
