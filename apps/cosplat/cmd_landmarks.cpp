@@ -113,15 +113,6 @@ void WriteMattes(const LandmarkRunOptions& o,
 
 }  // namespace
 
-// next_person: of Person.
-std::vector<std::string> PeopleNotes(const std::string& source, double next_person) {
-  constexpr double kTold = 1. / 3;  // less may be a picture on the wall, or a face that is none
-  if (next_person < kTold) return {};
-  return {source +
-          ": shows another person, too; the one who is seen larger or longer is used (cut "
-          "the other out, if it is meant)"};
-}
-
 void DetectLandmarks(const LandmarkRunOptions& o, FrameSource& frames) {
   std::optional<OwnMattes> own;
   if (!o.matte.empty()) {
@@ -158,8 +149,11 @@ void DetectLandmarks(const LandmarkRunOptions& o, FrameSource& frames) {
   ProgressBar looking("landmarks", count, o.quiet, OffTerminal::kLines);
   detector.Run(MillisecondsOf(video), true, [&](int done) { looking.Update(done, "frames"); });
   auto faces = detector.Faces();
-  const Person person = KeepPerson(faces);
-  PrintNotes(PeopleNotes(o.source, std::max(head.next_person, person.next)));
+  const Person person = KeepPerson(faces, head.ExpectedIn(chosen));
+  if (!head.is_alone || !person.is_alone)
+    PrintNotes({o.source +
+                ": shows another person, too; the one who is seen larger or longer is used (cut "
+                "the other out, if it is meant)"});
   for (size_t f = 0; f < video.frames.size(); ++f) video.frames[f].faces = std::move(faces.at(f));
   const auto seen = std::count_if(
       video.frames.begin(), video.frames.end(), [](const auto& f) { return !f.faces.empty(); });

@@ -94,8 +94,7 @@ std::vector<size_t> ChooseFrames(const LandmarkVideo& seen,
   for (; done < spread; ++done) chosen[usable[done * usable.size() / spread]] = true;
   // Farthest point sampling of the rest.
   std::vector<std::vector<float>> looks;
-  for (const size_t i : usable)
-    looks.push_back(LookOf(LargestFace(seen.frames[i].faces), seen.set));
+  for (const size_t i : usable) looks.push_back(LookOf(seen.frames[i].faces[0], seen.set));
   std::vector<double> nearest(usable.size(), HUGE_VAL);
   const auto take = [&](size_t k) {
     for (size_t j = 0; j < looks.size(); ++j)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 namespace cosplat {
 namespace {
@@ -13,12 +14,17 @@ constexpr double kOneFace = 0.3;
 constexpr double kForgotten = 0.2;
 // What others are seen, in parts of the first.
 constexpr double kAnother = 1. / 3;
+// Who is in so many of the frames with faces comes before those who are not: too few frames make no
+// track (CheckSkipped).
+constexpr double kStays = 2. / 3;
 
 // Someone who has been seen so far.
 struct Seen {
   LandmarkBox last;
   size_t last_frame = 0;
-  double size = 0;  // px, sum over the frames
+  size_t frames = 0;
+  double size = 0;   // px, sum over the frames
+  double score = 0;  // likewise, less of what is far from where it is expected
   std::vector<std::optional<size_t>> face;
 };
 
@@ -51,10 +57,13 @@ std::vector<size_t> DistinctFaces(const std::vector<LandmarkBox>& boxes) {
 
 }  // namespace
 
-Person ChoosePerson(const std::vector<std::vector<LandmarkBox>>& boxes) {
+Person ChoosePerson(const std::vector<std::vector<LandmarkBox>>& boxes,
+                    const std::vector<LandmarkBox>& expected) {
   std::vector<Seen> people;
+  size_t with_faces = 0;
   for (size_t f = 0; f < boxes.size(); ++f) {
     std::vector<size_t> faces = DistinctFaces(boxes[f]);
+    with_faces += !faces.empty();
     std::vector<std::tuple<double, size_t, size_t>> pairs;  // distance, person, face
     for (size_t p = 0; p < people.size(); ++p)
       for (const size_t i : faces)
@@ -66,7 +75,11 @@ Person ChoosePerson(const std::vector<std::vector<LandmarkBox>>& boxes) {
     const auto see = [&](Seen& person, size_t i) {
       person.last = boxes[f][i];
       person.last_frame = f;
-      person.size += boxes[f][i].size();
+      const double size = boxes[f][i].size();
+      ++person.frames;
+      person.size += size;
+      person.score +=
+          expected.empty() ? size : size * std::exp(-DistanceOf(expected[f], boxes[f][i]));
       person.face[f] = i;
       std::erase(faces, i);
     };
@@ -81,24 +94,29 @@ Person ChoosePerson(const std::vector<std::vector<LandmarkBox>>& boxes) {
   chosen.face.resize(boxes.size());
   chosen.others.resize(boxes.size());
   if (people.empty()) return chosen;
-  const auto smaller = [](const Seen& a, const Seen& b) { return a.size < b.size; };
-  const auto first = std::max_element(people.begin(), people.end(), smaller);
+  const auto rank = [&](const Seen& person) {
+    return std::pair(double(person.frames) >= kStays * double(with_faces), person.score);
+  };
+  const auto first =
+      std::max_element(people.begin(), people.end(), [&](const Seen& a, const Seen& b) {
+        return rank(a) < rank(b);
+      });
   chosen.face = first->face;
-  const double size = first->size;
-  people.erase(first);
-  for (const Seen& other : people) {
-    chosen.next = std::max(chosen.next, other.size / size);
-    for (size_t f = 0; other.size >= kAnother * size && f < boxes.size(); ++f)
-      if (other.face[f]) chosen.others[f].push_back(boxes[f][*other.face[f]]);
+  for (auto other = people.begin(); other != people.end(); ++other) {
+    if (other == first || other->size < kAnother * first->size) continue;
+    chosen.is_alone = false;
+    for (size_t f = 0; f < boxes.size(); ++f)
+      if (other->face[f]) chosen.others[f].push_back(boxes[f][*other->face[f]]);
   }
   return chosen;
 }
 
-Person KeepPerson(std::vector<std::vector<DetectedFace>>& frames) {
+Person KeepPerson(std::vector<std::vector<DetectedFace>>& frames,
+                  const std::vector<LandmarkBox>& expected) {
   std::vector<std::vector<LandmarkBox>> boxes(frames.size());
   for (size_t f = 0; f < frames.size(); ++f)
     for (const DetectedFace& face : frames[f]) boxes[f].push_back(BoxOf(face.points));
-  Person person = ChoosePerson(boxes);
+  Person person = ChoosePerson(boxes, expected);
   for (size_t f = 0; f < frames.size(); ++f) {
     if (frames[f].empty()) continue;
     if (!person.face[f]) {

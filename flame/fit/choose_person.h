@@ -8,20 +8,22 @@
 
 namespace cosplat {
 
-// The one who is seen largest for longest.
+// One of the people, and the others who are seen a third as much at least (size times frames):
+// which no picture on the wall is, and nothing that was taken for a face.
 struct Person {
-  std::vector<std::optional<size_t>> face;  // [frames] which of the frame's faces; none: not seen
-  double next = 0;                          // as much, of who comes next, in parts of the first's
-  // [frames] where the others' faces are: theirs who are seen a third as much at least, which no
-  // picture on the wall is, and nothing that was taken for a face.
-  std::vector<std::vector<LandmarkBox>> others;
+  std::vector<std::optional<size_t>> face;       // [frames] which of the frame's; none: not seen
+  std::vector<std::vector<LandmarkBox>> others;  // [frames] where their faces are
+  bool is_alone = true;
 };
 
-// boxes: [frames][faces], in order of time. Faces follow each other by place and size; where there
-// is but one, it may be anywhere.
-Person ChoosePerson(const std::vector<std::vector<LandmarkBox>>& boxes);
+// Of those who stay, the one who is seen largest for longest, or nearest to where a look at fewer
+// frames saw whom it chose. boxes: [frames][faces], in order of time. Faces follow each other by
+// place and size; where there is but one, it may be anywhere. expected: [frames], or none.
+Person ChoosePerson(const std::vector<std::vector<LandmarkBox>>& boxes,
+                    const std::vector<LandmarkBox>& expected = {});
 
 // Leaves each frame the face of that person alone, who is returned.
-Person KeepPerson(std::vector<std::vector<DetectedFace>>& frames);
+Person KeepPerson(std::vector<std::vector<DetectedFace>>& frames,
+                  const std::vector<LandmarkBox>& expected = {});
 
 }  // namespace cosplat

@@ -23,7 +23,7 @@ std::vector<Shot> ShotsBetween(const std::vector<int>& cuts, int frame_count, do
 // Increasing.
 std::vector<int> SampleShots(const std::vector<Shot>& shots, int count);
 
-// The largest face of a frame.
+// The face of a frame.
 struct FaceLook {
   int frame = 0;
   double size = 0;            // px, of the whole frame

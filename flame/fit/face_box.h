@@ -29,12 +29,4 @@ inline LandmarkBox BoxOf(const std::vector<std::array<double, 2>>& points) {
   return box;
 }
 
-// By its box's size. faces: not empty.
-inline const DetectedFace& LargestFace(const std::vector<DetectedFace>& faces) {
-  return *std::max_element(
-      faces.begin(), faces.end(), [](const DetectedFace& a, const DetectedFace& b) {
-        return BoxOf(a.points).size() < BoxOf(b.points).size();
-      });
-}
-
 }  // namespace cosplat

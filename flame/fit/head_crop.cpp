@@ -35,7 +35,7 @@ FrameCrop HeadCrop(const std::vector<std::vector<DetectedFace>>& faces,
   std::vector<double> left, top, right, bottom;
   for (const std::vector<DetectedFace>& found : faces) {
     if (found.empty()) continue;
-    const LandmarkBox room = WithRoom(BoxOf(LargestFace(found).points));
+    const LandmarkBox room = WithRoom(BoxOf(found[0].points));
     left.push_back(room.left), right.push_back(room.right);
     top.push_back(room.top), bottom.push_back(room.bottom);
   }

@@ -8,11 +8,11 @@
 
 namespace cosplat {
 
-// The part that holds the largest face of each frame, in all but the outermost 2 % of its places,
-// with room for hair and shoulders: a square, of which only what is beyond the frame is missing.
-// faces: [frames] of all that were found, px of a frame of width x height. size: px; as an image
-// the part has no more pixels than a square of this side, and no more than it has in the frame.
-// Throws Error if no frame has a face.
+// The part that holds the face of each frame, in all but the outermost 2 % of its places, with room
+// for hair and shoulders: a square, of which only what is beyond the frame is missing. faces:
+// [frames] of one person, or none (KeepPerson), px of a frame of width x height. size: px; as an
+// image the part has no more pixels than a square of this side, and no more than it has in the
+// frame. Throws Error if no frame has a face.
 FrameCrop HeadCrop(const std::vector<std::vector<DetectedFace>>& faces,
                    int width,
                    int height,

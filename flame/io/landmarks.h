@@ -55,6 +55,10 @@ struct FrameCrop {
   std::array<double, 2> InFrame(const std::array<double, 2>& point) const {
     return {part.x + point[0] / scale_x(), part.y + point[1] / scale_y()};
   }
+  // And back.
+  std::array<double, 2> InImage(const std::array<double, 2>& point) const {
+    return {(point[0] - part.x) * scale_x(), (point[1] - part.y) * scale_y()};
+  }
 };
 
 struct LandmarkVideo {

@@ -33,11 +33,20 @@ TEST(ChoosePerson, StaysWithOneOfTwo) {
   }
   const Person person = ChoosePerson(boxes);
   EXPECT_EQ(person.face, right);
-  EXPECT_GT(person.next, 0.8);
-  EXPECT_LT(person.next, 1);
+  EXPECT_FALSE(person.is_alone);
   for (size_t f = 0; f < boxes.size(); ++f) {
     ASSERT_EQ(person.others[f].size(), f % 10 == 7 ? 0u : 1u) << f;
-    if (f % 10 != 7) EXPECT_GT(person.others[f][0].left, 450) << f;
+    if (f % 10 != 7) {
+      EXPECT_GT(person.others[f][0].left, 450) << f;
+    }
+  }
+  // The other one was seen before.
+  const Person other = ChoosePerson(boxes, std::vector<LandmarkBox>(60, BoxAt(560, 200, 110)));
+  for (size_t f = 0; f < boxes.size(); ++f) {
+    EXPECT_EQ(other.face[f].has_value(), f % 10 != 7) << f;
+    if (other.face[f]) {
+      EXPECT_GT(boxes[f][*other.face[f]].left, 450) << f;
+    }
   }
 }
 
@@ -56,8 +65,17 @@ TEST(ChoosePerson, OneHeadIsOneWhereverItGoes) {
     else
       EXPECT_EQ(person.face[f], f == 9 ? 1u : 0u) << f;
   }
-  EXPECT_LT(person.next, 0.02);
+  EXPECT_TRUE(person.is_alone);
   EXPECT_TRUE(person.others[2].empty());
+}
+
+// Someone comes in for half of the video, and near.
+TEST(ChoosePerson, WhoStaysComesFirst) {
+  std::vector<std::vector<LandmarkBox>> boxes(40, {BoxAt(100, 300, 100)});
+  for (size_t f = 20; f < 40; ++f) boxes[f].insert(boxes[f].begin(), BoxAt(600, 300, 300));
+  const Person person = ChoosePerson(boxes);
+  for (size_t f = 0; f < boxes.size(); ++f) EXPECT_EQ(person.face[f], f < 20 ? 0u : 1u) << f;
+  EXPECT_FALSE(person.is_alone);
 }
 
 TEST(ChoosePerson, NobodyIsNobody) {
@@ -71,10 +89,12 @@ TEST(KeepPerson, LeavesOneFace) {
   };
   std::vector<std::vector<DetectedFace>> frames(5, {face(0, 50), face(200, 80)});
   frames[3] = {face(1, 50)};
-  EXPECT_NEAR(KeepPerson(frames).next, 5 * 50 / (4 * 80.), 1e-9);
+  EXPECT_FALSE(KeepPerson(frames).is_alone);
   for (size_t f = 0; f < 5; ++f) {
     ASSERT_EQ(frames[f].size(), f == 3 ? 0u : 1u) << f;
-    if (f != 3) EXPECT_EQ(frames[f][0].points[0][0], 200);
+    if (f != 3) {
+      EXPECT_EQ(frames[f][0].points[0][0], 200);
+    }
   }
 }
 

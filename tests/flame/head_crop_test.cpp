@@ -23,13 +23,22 @@ TEST(HeadCrop, HasRoomForHairAndShoulders) {
   EXPECT_EQ(HeadCrop({{FaceAt(900, 400)}}, 1920, 1080, 256).height, 256);
 }
 
-TEST(HeadCrop, FollowsTheLargestFaceAndNoStray) {
-  std::vector<std::vector<DetectedFace>> faces(64, {FaceAt(600, 500), FaceAt(1500, 500, 60)});
+TEST(HeadCrop, FollowsNoStray) {
+  std::vector<std::vector<DetectedFace>> faces(64, {FaceAt(600, 500)});
   faces[7] = {FaceAt(1700, 900)};
   faces[9].clear();
   const Crop part = HeadCrop(faces, 1920, 1080, 512).part;
   EXPECT_EQ(part.width, 316);
   EXPECT_NEAR(part.x + part.width / 2, 600, 1);
+}
+
+TEST(HeadCrop, PointsGoThereAndBack) {
+  const FrameCrop crop = HeadCrop({{FaceAt(900, 400)}}, 1920, 1080, 200);
+  const auto [x, y] = crop.InImage({900, 400});
+  EXPECT_NEAR(x, 100, 1);  // in the middle
+  const auto back = crop.InFrame({x, y});
+  EXPECT_NEAR(back[0], 900, 1e-9);
+  EXPECT_NEAR(back[1], 400, 1e-9);
 }
 
 TEST(HeadCrop, StaysInsideTheFrame) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <utility>
 
 #include "apps/cosplat/run/face_detector.h"
@@ -33,7 +34,7 @@ using Faces = std::vector<DetectedFace>;
 struct Sample {
   std::vector<int> frames;   // increasing
   std::vector<Faces> faces;  // [frames]
-  double next_person = 0;    // Person::next, the largest of all shots
+  bool is_alone = true;      // nobody else is in any shot
 
   size_t with_faces() const {
     return size_t(std::count_if(faces.begin(), faces.end(), [](auto& f) { return !f.empty(); }));
@@ -113,7 +114,7 @@ void HeadSearch::KeepPeople(Sample& sample) const {
     const size_t begin = i;
     while (i < sample.frames.size() && sample.frames[i] < shot.end) ++i;
     std::vector<Faces> of_shot(sample.faces.begin() + long(begin), sample.faces.begin() + long(i));
-    sample.next_person = std::max(sample.next_person, KeepPerson(of_shot).next);
+    sample.is_alone = KeepPerson(of_shot).is_alone && sample.is_alone;
     std::move(of_shot.begin(), of_shot.end(), sample.faces.begin() + long(begin));
   }
 }
@@ -144,7 +145,7 @@ std::vector<FaceLook> HeadSearch::LooksOf(const Sample& sample) const {
       [&](int f) { return frames.ReadWhole(f); },
       [&](size_t i, const Image8& image) {
         if (sample.faces[i].empty()) return;
-        const DetectedFace& face = LargestFace(sample.faces[i]);
+        const DetectedFace& face = sample.faces[i][0];
         looks[i] = {sample.frames[i], BoxOf(face.points).size(), FaceColorsOf(image, face.points)};
       },
       [](int) {});
@@ -176,6 +177,25 @@ std::string LeftOutText(size_t all, size_t used, int frames, int frame_count) {
 }
 
 }  // namespace
+
+std::vector<LandmarkBox> FoundHead::ExpectedIn(const std::vector<int>& which) const {
+  std::vector<LandmarkBox> expected;
+  if (seen.empty()) return expected;
+  size_t k = 0;
+  for (const int frame : which) {
+    while (k + 1 < seen.size() &&
+           std::abs(seen[k + 1].first - frame) <= std::abs(seen[k].first - frame))
+      ++k;
+    LandmarkBox box = seen[k].second;
+    if (crop) {
+      const auto [left, top] = crop->InImage({box.left, box.top});
+      const auto [right, bottom] = crop->InImage({box.right, box.bottom});
+      box = {left, top, right, bottom};
+    }
+    expected.push_back(box);
+  }
+  return expected;
+}
 
 FoundHead FindHead(const std::string& source, const FrameSource& frames, int size, bool quiet) {
   const int width = frames.width(), height = frames.height();
@@ -212,7 +232,10 @@ FoundHead FindHead(const std::string& source, const FrameSource& frames, int siz
     search.shots = alike;
   }
   found.frames = FramesOf(search.shots);
-  found.next_person = sample.next_person;
+  found.is_alone = sample.is_alone;
+  for (size_t i = 0; i < sample.frames.size(); ++i)
+    if (!sample.faces[i].empty())
+      found.seen.emplace_back(sample.frames[i], BoxOf(sample.faces[i][0].points));
   if (crops) found.crop = HeadCrop(sample.faces, width, height, size);
   return found;
 }

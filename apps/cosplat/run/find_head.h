@@ -4,9 +4,11 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/cosplat/run/frame_source.h"
+#include "flame/fit/face_box.h"
 #include "flame/io/landmarks.h"
 
 namespace cosplat {
@@ -15,7 +17,13 @@ struct FoundHead {
   std::vector<int> frames;         // increasing: those of all shots that are alike (ShotsAlike)
   std::optional<FrameCrop> crop;   // none where the frames are no larger than it would be
   std::vector<std::string> notes;  // what a user should know: that shots are left out
-  double next_person = 0;          // of the frames looked at (flame/fit/choose_person.h)
+  // Of the frames looked at, increasing, those that show the head, and where: px of the frame.
+  std::vector<std::pair<int, LandmarkBox>> seen;
+  bool is_alone = true;  // no other person is seen in them (flame/fit/choose_person.h)
+
+  // Of each of `frames`, increasing, where the nearest of them saw the head, px of the crop. Empty
+  // if none was looked at.
+  std::vector<LandmarkBox> ExpectedIn(const std::vector<int>& frames) const;
 };
 
 // size: px, of HeadCrop; 0: no crop. Shows progress unless quiet. Throws Error naming `source` if

@@ -66,7 +66,7 @@ FaceBox FaceBoxOf(const LandmarkBox& box) { return {box.left, box.top, box.right
 
 std::optional<FaceBox> FaceBoxOf(const LandmarkFrame& frame) {
   if (frame.faces.empty()) return {};
-  return FaceBoxOf(BoxOf(LargestFace(frame.faces).points));
+  return FaceBoxOf(BoxOf(frame.faces[0].points));
 }
 
 MatteRefiner RefinerOf(const LandmarkVideo& video,

@@ -33,7 +33,7 @@ class OwnMattes {
 };
 
 FaceBox FaceBoxOf(const LandmarkBox& box);
-// Where a frame's largest face is: its points' extent. Nothing without a face.
+// Where a frame's face is: its points' extent. Nothing without a face.
 std::optional<FaceBox> FaceBoxOf(const LandmarkFrame& frame);
 
 // Refines mattes of a network of 256x256 pixels over `video`'s frames (flame/io/landmarks.h), which
