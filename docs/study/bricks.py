@@ -3,7 +3,7 @@
     blender -b --factory-startup -noaudio --python-exit-code 1 --python bricks.py -- OUT [SIZE [TRAIN [TEST]]]
 
 Writes OUT in the layout of NeRF's synthetic scenes (transforms_*.json and RGBA images of SIZE x SIZE px; 800, 100 and
-25 views if not given) by Blender's Cycles: half an hour on two cores. Lengths are Blender's metres, z is up.
+25 views if not given) by Blender's Cycles, in some 25 s each on one core. Lengths are Blender's metres, z is up.
 """
 import json
 import math
