@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <map>
 
-#include "splat/media/image_glance.h"
+#include "splat/io/scene_fit.h"
 
 namespace cosplat {
 namespace {

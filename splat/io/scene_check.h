@@ -8,7 +8,6 @@
 
 #include "splat/base/skipped.h"
 #include "splat/io/dataset.h"
-#include "splat/media/image_glance.h"
 
 namespace cosplat {
 
@@ -17,24 +16,5 @@ namespace cosplat {
 // alpha: whose silhouettes fit each other) no better than those of other views, mirrored ones or
 // those of another focal length do. Throws Error as LoadViewImage does.
 std::vector<Finding> CheckScene(const SceneData& scene);
-
-// Its part in scene_fit.cpp: whether images show what cameras and points say.
-
-// A view and its image, reduced.
-struct LookedAt {
-  const SceneView* view = nullptr;
-  Image8 image;
-  Camera camera;  // at that size
-  Glance glance{};
-  size_t group = 0;  // neighbours in `views` are of one group
-};
-
-// Groups of three neighbours, 24 views in all.
-std::vector<LookedAt> LookAt(const std::vector<const SceneView*>& views);
-
-// Adds what it finds.
-void CheckFit(const SceneData& scene,
-              const std::vector<LookedAt>& looked,
-              std::vector<Finding>& findings);
 
 }  // namespace cosplat
