@@ -54,7 +54,10 @@ DataSplit SplitOf(const AvatarOptions& o) {
       {o.resolution, o.eval, o.fold}, o.test_frames.value_or(-1), o.fold_by_turn, o.focal_scale};
 }
 
-void SaveInputs(const AvatarOptions& o, const TrackedVideo& video, const std::string& config) {
+void SaveInputs(const AvatarOptions& o,
+                const TrackedVideo& video,
+                bool sound,
+                const std::string& config) {
   const Json run{{"kind", "avatar"},
                  {"source", o.source},
                  {"flame", o.flame},
@@ -67,6 +70,7 @@ void SaveInputs(const AvatarOptions& o, const TrackedVideo& video, const std::st
                  {"background", o.EvaluationBackground()},
                  {"refine_track", o.avatar.refine_track},
                  {"reference", ReferenceView(video)},
+                 {"data_is_sound", sound},
                  {"version", COSPLAT_VERSION}};
   WriteRunConfiguration(o.model, o, config, run);
   WriteTrackCameras(o.model, video);
@@ -154,7 +158,7 @@ bool TrainAvatar(AvatarOptions o, const std::string& config) {
   const RunStart how = ChooseStart(o, config);
   if (how == RunStart::kFinished) {
     PrintFinished(o);
-    return true;
+    return HadSoundData(o.model);
   }
   const Device device = o.ResolveDevice();
   const std::shared_ptr<Lpips> lpips = LoadLpips(o);
@@ -186,7 +190,7 @@ bool TrainAvatar(AvatarOptions o, const std::string& config) {
   RunCheckpoint checkpoint(
       o, config, how, ChecksumsOf(o, flame, subject, truth, trainer.state().gaussians));
   if (how == RunStart::kNew) RemoveRun(o.model);
-  SaveInputs(o, video, config);
+  SaveInputs(o, video, sound, config);
   PrintSettled(o);
   if (!o.quiet) PrintSkipped(video.skipped);
   if (!o.quiet && o.OmitsLpips())

@@ -90,6 +90,7 @@ DataChecksums ChecksumsOf(const SceneTrainOptions& o,
 void SaveInputs(const SceneTrainOptions& o,
                 const DataSplit& split,
                 const SceneData& scene,
+                bool sound,
                 const std::string& config) {
   const Json run{{"kind", "scene"},
                  {"source", o.source},
@@ -100,6 +101,7 @@ void SaveInputs(const SceneTrainOptions& o,
                  {"seed", o.seed},
                  {"device", NameOf(o.ResolveDevice())},
                  {"background", o.EvaluationBackground()},
+                 {"data_is_sound", sound},
                  {"version", COSPLAT_VERSION}};
   WriteRunConfiguration(o.model, o, config, run);
   std::vector<NamedCamera> cameras;
@@ -126,7 +128,7 @@ bool TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
   if (how == RunStart::kFinished) {
     if (writes && o.blocks > 1) BlockFiles::Remove(o.model);  // it may have been stopped before
     PrintFinished(o);
-    return true;
+    return Smallest(uint32_t(!writes || HadSoundData(o.model)), *ranks) != 0;
   }
   // "auto" is the CPU for all ranks if it is for one of them.
   const Device device = Device(Smallest(uint32_t(o.ResolveDevice()), *ranks));
@@ -160,7 +162,7 @@ bool TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
   scene.points = std::move(loaded.points);  // the initial points of the run
   scene.point_colors = std::move(loaded.point_colors);
   if (writes && how == RunStart::kNew) RemoveRun(o.model);
-  if (writes) SaveInputs(o, split, scene, config);
+  if (writes) SaveInputs(o, split, scene, sound, config);
   PrintSettled(o);
   if (!o.quiet) PrintSkipped(scene.skipped);
   if (!o.quiet)

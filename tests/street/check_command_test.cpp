@@ -50,6 +50,8 @@ TEST(CheckCommand, TrainingSaysItByItsExitCodeToo) {
   EXPECT_NE(trained.err.find("the results are of data that is WRONG"), std::string::npos)
       << trained.err;
   EXPECT_TRUE(std::filesystem::exists(out / "run/point_cloud/iteration_2/point_cloud.ply"));
+  // And later, when it has nothing to do.
+  EXPECT_EQ(train(out, "--resume").code, 3);
   const CommandResult refused = train(other, "--strict");
   EXPECT_EQ(refused.code, 2) << refused.err;
   EXPECT_NE(refused.err.find("--strict refuses it"), std::string::npos) << refused.err;

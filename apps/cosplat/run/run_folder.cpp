@@ -99,6 +99,11 @@ JsonField ReadRun(const std::string& folder) {
   return {own, fs::exists(own) || !IsRun(folder) ? ReadJson(own) : RunOfCfgArgs(folder)};
 }
 
+bool HadSoundData(const std::string& folder) {
+  const JsonField run = ReadRun(folder);
+  return !run.Has("data_is_sound") || run["data_is_sound"].raw() != false;
+}
+
 Json CameraToJson(const Camera& c) {
   return {{"width", c.width},
           {"height", c.height},

@@ -34,6 +34,9 @@ JsonField ReadRun(const std::string& folder);
 // Throws Error naming the field if cfg_args is not 3DGS's line ("Namespace(eval=True, ...)").
 Json RunOfCfgArgs(const std::string& folder);
 
+// Whether checks found nothing wrong with the run's data (AnyWrong); of older runs, true.
+bool HadSoundData(const std::string& folder);
+
 Json CameraToJson(const Camera& camera);
 Camera CameraFromJson(const JsonField& json);
 
