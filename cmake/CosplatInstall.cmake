@@ -40,6 +40,7 @@ set(COSPLAT_PRIVATE_HEADERS
   flame/fit/silhouette.h
   flame/halfedges.h
   flame/io/pickle
+  flame/io/track_fit.h
   flame/io/track_layouts.h
   flame/kernels/
   splat/base/compression.h
@@ -57,6 +58,7 @@ set(COSPLAT_PRIVATE_HEADERS
   splat/io/glb
   splat/io/packed_values.h
   splat/io/ply_
+  splat/io/scene_fit.h
   splat/io/sog_format.h
   splat/io/splat_primitive.h
   splat/io/splat_values.h

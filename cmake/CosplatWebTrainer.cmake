@@ -41,6 +41,7 @@ target_sources(cosplat_flame_track PRIVATE
   flame/focal.cpp
   flame/io/imavatar_writer.cpp
   flame/io/track_check.cpp
+  flame/io/track_fit.cpp
   flame/io/track_images.cpp
   flame/io/track_masks.cpp)
 target_link_libraries(cosplat_flame_track PRIVATE TBB::tbb)

@@ -177,6 +177,28 @@ TEST_F(CheckTrackOf, ExpressionsOfAnotherModel) {
   EXPECT_NE(Said(Check()).find("expression coefficients"), std::string::npos);
 }
 
+// Hair all around the head, and as far from it as an eighth of the image.
+void AddMane(Image8& image) {
+  for (const bool along_rows : {true, false}) {
+    const Image8 old = image;
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x)
+        for (const int side : {-1, 1})
+          for (int k = 1; old.at(x, y, 3) > 127 && k <= image.width / 8; ++k) {
+            const int u = x + side * k * along_rows, v = y + side * k * !along_rows;
+            const bool is_outside = u < 0 || v < 0 || u >= image.width || v >= image.height;
+            if (is_outside || old.at(u, v, 3) > 127) break;
+            for (int c = 0; c < 3; ++c) image.at(u, v, c) = uint8_t(60 + (7 * u + 13 * v) % 20);
+            image.at(u, v, 3) = 255;
+          }
+  }
+}
+
+TEST_F(CheckTrackOf, AMane) {
+  Change(AddMane);
+  EXPECT_EQ(Said(Check()), "");
+}
+
 // Real heads, where they are.
 class CheckRealTrack : public testing::TestWithParam<const char*> {
  protected:
@@ -244,6 +266,10 @@ TEST_P(CheckRealTrack, FocalLengths) {
 TEST_P(CheckRealTrack, HeadsElsewhere) {
   for (TrackedFrame* frame : FramesInOrder(video_)) frame->camera.cx += 60;  // of 512 px
   EXPECT_TRUE(AnyWrong(Check())) << Said(Check());
+}
+TEST_P(CheckRealTrack, AMane) {
+  ChangeImages(AddMane);
+  EXPECT_EQ(Said(Check()), "");
 }
 INSTANTIATE_TEST_SUITE_P(Shared, CheckRealTrack, testing::Values("wojtek_vhap", "speaker_vhap"));
 
