@@ -41,6 +41,7 @@ struct Tile {
   std::vector<TileEntry> entries;
   Buffer<float> color = Buffer<float>(3 * kPixels), d_color = color;
   Buffer<float> transmittance = Buffer<float>(kPixels);
+  std::vector<uint32_t> blended = std::vector<uint32_t>(kSplats);
   std::vector<SplatGradient> records = std::vector<SplatGradient>(kSplats);
 
   Tile() {
@@ -53,6 +54,7 @@ struct Tile {
     job.splats = splats.data();
     job.entries = entries.data();
     job.entry_count = kSplats;
+    job.blended = blended.data();
     job.width = job.height = kTileSize;
     job.color = color.data();
     job.transmittance = transmittance.data();

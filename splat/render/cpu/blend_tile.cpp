@@ -16,19 +16,20 @@ struct alignas(64) TilePixels {
   float t[kPixels], r[kPixels], g[kPixels], b[kPixels];
 };
 
+// Returns the parts with pixels that accept the splat.
 template <int kExpDegree>
-HWY_INLINE void BlendSplat(const ProjectedSplat& s,
-                           const TileGrid& grid,
-                           BlockMask open,
-                           TilePixels& px) {
+HWY_INLINE PartMask
+BlendSplat(const ProjectedSplat& s, const TileGrid& grid, BlockMask open, TilePixels& px) {
   const SplatOnTile on(s, grid);
   const Vec3<Pack> color = ColorOfSplat(s);
   const Pack opacity(s.opacity), reject(s.reject_below), zero(0.0f);
+  PartMask blended = 0;
   ForPacks(on.reached & open, [&](int block, int pack, int at) HWY_ATTR {
     const Pack power = on.PowerOf(block, pack, grid);
     BlendState<Pack> state{LoadPack(px.t + at), {}};
     const PackMask accept = Accepts(power, reject, state.transmittance);
     if (!AnyTrue(accept)) return;
+    blended |= PartMask(1) << (at / kPartPixels);
     state.color = {LoadPack(px.r + at), LoadPack(px.g + at), LoadPack(px.b + at)};
     const Pack alpha = AlphaOf(opacity, FastExp<kExpDegree>(power));
     BlendBehind(Select(accept, alpha, zero), color, state);
@@ -37,6 +38,7 @@ HWY_INLINE void BlendSplat(const ProjectedSplat& s,
     StorePack(state.color.y, px.g + at);
     StorePack(state.color.z, px.b + at);
   });
+  return blended;
 }
 
 template <int kExpDegree>
@@ -50,7 +52,7 @@ uint32_t Forward(const TileJob& job) {
     const BlockMask open = OpenBlocks(px.t);
     if (open == 0) break;
     const uint32_t stop = std::min(k + uint32_t(kStopInterval), job.entry_count);
-    for (; k < stop; ++k) BlendSplat<kExpDegree>(SplatAt(job, k), grid, open, px);
+    for (; k < stop; ++k) job.blended[k] = BlendSplat<kExpDegree>(SplatAt(job, k), grid, open, px);
   }
   const size_t plane = size_t(job.width) * job.height;
   ForRowsOnImage(job, [&](int i, size_t at, int n) HWY_ATTR {
@@ -86,15 +88,16 @@ void LoadVjpPixels(const TileJob& job, const float* d_color, TileVjpPixels& px) 
 
 template <int kExpDegree>
 HWY_INLINE SplatGradient
-BlendSplatVjp(const ProjectedSplat& s, const TileGrid& grid, BlockMask open, TileVjpPixels& px) {
-  const SplatOnTile on(s, grid);
+BlendSplatVjp(const ProjectedSplat& s, const TileGrid& grid, PartMask blended, TileVjpPixels& px) {
+  if (blended == 0) return {};
+  const SplatOnTile on(s, grid, blended);
   const Vec3<Pack> color = ColorOfSplat(s);
   const Pack opacity(s.opacity), reject(s.reject_below), zero(0.0f);
   // Accumulated about each pack's first pixel, whose offset is common to all lanes; shifted to the
   // lanes' own pixels at the end.
   PowerMoments<Pack> moments{zero, zero, zero, zero, zero, zero};
   Vec3<Pack> d_color{zero, zero, zero};
-  ForPacks(on.reached & open, [&](int block, int pack, int at) HWY_ATTR {
+  ForPacksOfParts(blended, [&](int block, int pack, int at) HWY_ATTR {
     const Pack power = on.PowerOf(block, pack, grid);
     BlendVjpState<Pack> state{LoadPack(px.t + at), {}};
     const PackMask accept = Accepts(power, reject, state.transmittance);
@@ -138,12 +141,9 @@ void Backward(const TileJob& job, const float* d_color, SplatGradient* records) 
   const TileGrid grid(job);
   TileVjpPixels px;
   LoadVjpPixels(job, d_color, px);
-  for (uint32_t k = 0; k < job.entry_count;) {
-    const BlockMask open = OpenBlocks(px.t);
-    const uint32_t stop = std::min(k + uint32_t(kStopInterval), job.entry_count);
-    for (; k < stop; ++k)
-      records[job.entries[k].record] = BlendSplatVjp<kExpDegree>(SplatAt(job, k), grid, open, px);
-  }
+  for (uint32_t k = 0; k < job.entry_count; ++k)
+    records[job.entries[k].record] =
+        BlendSplatVjp<kExpDegree>(SplatAt(job, k), grid, job.blended[k], px);
 }
 
 uint32_t ForwardTile(const TileJob& job) {

@@ -13,6 +13,9 @@ struct TileJob {
   const ProjectedSplat* splats = nullptr;
   const TileEntry* entries = nullptr;  // this tile's, front to back
   uint32_t entry_count = 0;
+  // [entry_count] where in the tile each was blended, a bit for a pack or 8 pixels: the forward
+  // pass writes it, the backward pass reads it.
+  uint32_t* blended = nullptr;
   int x0 = 0, y0 = 0;         // the tile's first pixel
   int width = 0, height = 0;  // of the image
   float background[3] = {0, 0, 0};

@@ -18,7 +18,7 @@ class CpuTape : public RenderTape {
   std::vector<MemoryPart> Memory() const override {
     return {{"projected splats", AllocatedBytes(splats, radius)},
             {"tile lists", lists.GaussianBytes()},
-            {"gradients per splat and tile", AllocatedBytes(records, contributions)},
+            {"gradients per splat and tile", AllocatedBytes(blended, records, contributions)},
             {"gradients per splat", AllocatedBytes(d_splats)},
             {"tiles", lists.TileBytes() + AllocatedBytes(n_contrib), MemoryOf::kPixels}};
   }
@@ -28,6 +28,7 @@ class CpuTape : public RenderTape {
   TileLists lists;
   InstanceCounts drawn;
   Buffer<uint32_t> n_contrib;          // [tiles] entries processed before the tile was opaque
+  Buffer<uint32_t> blended;            // [instances] of TileJob
   Buffer<SplatGradient> records;       // [instances]
   Buffer<Contribution> contributions;  // [instances]; allocated on first use
 };
@@ -83,6 +84,7 @@ class CpuRasterizer : public StagedRasterizer {
     image.transmittance.resize(size_t(camera.width) * camera.height);
     const int tiles = tape.lists.tiles_x * tape.lists.tiles_y;
     tape.n_contrib.resize(tiles);
+    tape.blended.Refill(tape.lists.entries.size());
     tbb::parallel_for(0, tiles, [&](int tile) {
       TileJob job = JobOf(tape, tile, image.width, image.height);
       job.color = image.color.data();
@@ -159,11 +161,12 @@ class CpuRasterizer : public StagedRasterizer {
   }
 
  private:
-  static TileJob JobOf(const CpuTape& tape, int tile, int width, int height) {
+  static TileJob JobOf(CpuTape& tape, int tile, int width, int height) {
     TileJob job;
     job.splats = tape.splats.data();
     job.entries = tape.lists.entries.data() + tape.lists.tile_begin[tile];
     job.entry_count = tape.lists.tile_begin[tile + 1] - tape.lists.tile_begin[tile];
+    job.blended = tape.blended.data() + tape.lists.tile_begin[tile];
     job.x0 = tile % tape.lists.tiles_x * kTileSize;
     job.y0 = tile / tape.lists.tiles_x * kTileSize;
     job.width = width;

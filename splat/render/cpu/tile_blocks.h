@@ -26,6 +26,12 @@ constexpr int kPixels = kTileSize * kTileSize;
 constexpr int kPacksPerBlock = kBlockPixels / int(kLanes);
 static_assert(kBlocks % kLanes == 0 && kBlockPixels % kLanes == 0);
 using BlockMask = uint32_t;  // one bit per block
+// What the forward pass notes of a splat for the backward pass: one bit per part of a block, a pack
+// or 8 pixels if that is more.
+constexpr int kPartPixels = std::max(8, int(kLanes));
+constexpr int kPartsPerBlock = kBlockPixels / kPartPixels;
+static_assert(kPixels / kPartPixels <= 32);
+using PartMask = uint32_t;
 
 HWY_INLINE int ColumnOf(int pixel) {
   return pixel / kBlockPixels % kBlocksPerRow * kBlockSize + pixel % kBlockSize;
@@ -63,10 +69,9 @@ struct SplatOnTile {
   Pack power_in_block[kPacksPerBlock];
   BlockMask reached;
 
-  HWY_INLINE SplatOnTile(const ProjectedSplat& s, const TileGrid& grid) {
-    const PowerForm<Pack> form = FormOf(s);
+  HWY_INLINE SplatOnTile(const ProjectedSplat& s, const TileGrid& grid) : form_(FormOf(s)) {
     const PowerRidges<Pack> ridges{Pack(s.x_per_y), Pack(s.y_per_x)};
-    const Pack x(s.x), y(s.y), reject(s.reject_below), extent(float(kBlockSize - 1));
+    const Pack reject(s.reject_below), extent(float(kBlockSize - 1));
     reached = 0;
     for (int b = 0; b < kBlocks; b += int(kLanes)) {
       // Short packs lie within a row of blocks; most splats reach one or two of the four.
@@ -74,19 +79,22 @@ struct SplatOnTile {
         const float above = grid.block_y[b] - s.y;
         if (above > s.half_y || above + float(kBlockSize - 1) < -s.half_y) continue;
       }
-      const Pack left = LoadPack(grid.block_x + b) - x, top = LoadPack(grid.block_y + b) - y;
-      const PowerExpansion<Pack> at = ExpandAt(form, left, top);
-      StorePack(left, dx + b);
-      StorePack(top, dy + b);
-      StorePack(at.value, power + b);
-      StorePack(at.d_x, d_power_x + b);
-      StorePack(at.d_y, d_power_y + b);
-      const Pack largest = LargestPowerIn(form, ridges, left, left + extent, top, top + extent);
+      Expand(s, grid, b);
+      const Pack left = LoadPack(dx + b), top = LoadPack(dy + b);
+      const Pack largest = LargestPowerIn(form_, ridges, left, left + extent, top, top + extent);
       reached |= BlockMask(MaskBits(largest >= reject)) << b;
     }
-    for (int p = 0; p < kPacksPerBlock; ++p)
-      power_in_block[p] = PowerAt(
-          form, LoadPack(grid.in_block_x + p * kLanes), LoadPack(grid.in_block_y + p * kLanes));
+    SetPowerInBlock(grid);
+  }
+
+  // Of the blocks that `parts` are of alone; `reached` is not set.
+  HWY_INLINE SplatOnTile(const ProjectedSplat& s, const TileGrid& grid, PartMask parts)
+      : form_(FormOf(s)) {
+    constexpr int kParts = int(kLanes) * kPartsPerBlock;
+    constexpr PartMask kOfPack = PartMask((uint64_t(1) << kParts) - 1);
+    for (int b = 0; b < kBlocks; b += int(kLanes))
+      if (parts >> (b * kPartsPerBlock) & kOfPack) Expand(s, grid, b);
+    SetPowerInBlock(grid);
   }
 
   HWY_INLINE Pack PowerOf(int block, int pack, const TileGrid& grid) const {
@@ -97,6 +105,25 @@ struct SplatOnTile {
                      LoadPack(grid.in_block_y + pack * kLanes),
                      power_in_block[pack]);
   }
+
+ private:
+  // At as many blocks from the b-th on as a pack has lanes.
+  HWY_INLINE void Expand(const ProjectedSplat& s, const TileGrid& grid, int b) {
+    const Pack left = LoadPack(grid.block_x + b) - Pack(s.x);
+    const Pack top = LoadPack(grid.block_y + b) - Pack(s.y);
+    const PowerExpansion<Pack> at = ExpandAt(form_, left, top);
+    StorePack(left, dx + b);
+    StorePack(top, dy + b);
+    StorePack(at.value, power + b);
+    StorePack(at.d_x, d_power_x + b);
+    StorePack(at.d_y, d_power_y + b);
+  }
+  HWY_INLINE void SetPowerInBlock(const TileGrid& grid) {
+    for (int p = 0; p < kPacksPerBlock; ++p)
+      power_in_block[p] = PowerAt(
+          form_, LoadPack(grid.in_block_x + p * kLanes), LoadPack(grid.in_block_y + p * kLanes));
+  }
+  PowerForm<Pack> form_;
 };
 
 // Calls f(block, pack, first pixel of the pack) for each pack of the blocks in the mask.
@@ -106,6 +133,16 @@ HWY_INLINE void ForPacks(BlockMask blocks, const F& f) {
     const int block = std::countr_zero(blocks);
     for (int pack = 0; pack < kPacksPerBlock; ++pack)
       f(block, pack, block * kBlockPixels + pack * int(kLanes));
+  }
+}
+
+// Likewise for each pack of the parts in the mask.
+template <class F>
+HWY_INLINE void ForPacksOfParts(PartMask parts, const F& f) {
+  for (; parts != 0; parts &= parts - 1) {
+    const int part = std::countr_zero(parts);
+    for (int at = part * kPartPixels; at < (part + 1) * kPartPixels; at += int(kLanes))
+      f(at / kBlockPixels, at % kBlockPixels / int(kLanes), at);
   }
 }
 
