@@ -31,11 +31,11 @@ struct BallScene {
     json["frames"] = Json::array();
   }
 
-  // `count` cameras about a point, from all around and above, some 3 from it.
-  void Film(const Point& aim, int count) {
+  // `count` cameras about a point, from all around and above, `near` and 0.4 more from it.
+  void Film(const Point& aim, int count, double near = 2.8) {
     for (int i = 0; i < count; ++i) {
       const double turn = 2.4 * i, up = 0.2 + 0.9 * (i * 5 % count) / count;
-      const double distance = 2.8 + 0.4 * (i % 2);
+      const double distance = near + 0.4 * (i % 2);
       Point back{std::cos(turn) * std::cos(up), std::sin(turn) * std::cos(up), std::sin(up)};
       Point right{-std::sin(turn), std::cos(turn), 0};
       const Point above{back[1] * right[2] - back[2] * right[1],
@@ -130,6 +130,27 @@ TEST(CheckRendering, CloseUpsAreCutAtTheirEdges) {
     balls.push_back({{0.5 * (i % 3) - 0.5, 0.5 * (i / 3) - 0.5, 0.2 * (i % 2)}, 0.35});
   BallScene scene(balls);
   for (int i = 0; i < 9; i += 2) scene.Film(balls[size_t(i)].center, 5);
+  EXPECT_EQ(Said(scene.Check()), "");
+}
+
+TEST(CheckRendering, SomeCamerasAreNearer) {
+  BallScene scene(Spring());
+  scene.Film({}, 18, 4);
+  scene.Film({}, 6, 1.2);
+  EXPECT_EQ(Said(scene.Check()), "");
+}
+
+// As programs that cut out backgrounds do in a view or two.
+TEST(CheckRendering, TwoMattesLackAPart) {
+  BallScene scene({{{0.3, 0, 0}, 0.3}, {{-0.3, 0.3, 0.3}, 0.15}, {{0, -0.4, -0.2}, 0.2}});
+  scene.Film({}, 24);
+  for (const int view : {4, 15}) {
+    const std::string path = scene.folder / (std::to_string(view) + ".png");
+    Image8 image = ReadImage(path);
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width / 2; ++x) image.at(x, y, 3) = 0;
+    WriteImage(path, image);
+  }
   EXPECT_EQ(Said(scene.Check()), "");
 }
 
