@@ -36,18 +36,18 @@ struct BallScene {
     for (int i = 0; i < count; ++i) {
       const double turn = 2.4 * i, up = 0.2 + 0.9 * (i * 5 % count) / count;
       const double distance = near + 0.4 * (i % 2);
-      Point back{std::cos(turn) * std::cos(up), std::sin(turn) * std::cos(up), std::sin(up)};
-      Point right{-std::sin(turn), std::cos(turn), 0};
-      const Point above{back[1] * right[2] - back[2] * right[1],
-                        back[2] * right[0] - back[0] * right[2],
-                        back[0] * right[1] - back[1] * right[0]};
-      Json matrix = Json::array();
-      for (size_t k = 0; k < 3; ++k)
-        matrix.push_back({right[k], above[k], back[k], aim[k] + distance * back[k]});
-      matrix.push_back({0, 0, 0, 1});
-      const std::string name = std::to_string(json["frames"].size()) + ".png";
-      WriteImage(folder / name, Rendering(matrix));
-      json["frames"].push_back({{"file_path", name}, {"transform_matrix", matrix}});
+      const Point back{std::cos(turn) * std::cos(up), std::sin(turn) * std::cos(up), std::sin(up)};
+      Point at = aim;
+      for (size_t k = 0; k < 3; ++k) at[k] += distance * back[k];
+      Add(at, turn, back);
+    }
+  }
+  // A camera that stands on a rail of 1.2 before the point, 3 from it, and turns by hardly
+  // anything.
+  void FilmFromARail(int count) {
+    for (int i = 0; i < count; ++i) {
+      const double turn = 0.004 * (i * 5 % 7 - 3);
+      Add({3, 1.2 * i / (count - 1) - 0.6, 0}, turn, {std::cos(turn), std::sin(turn), 0});
     }
   }
   // Each camera with the image of the one `by` places further on.
@@ -62,6 +62,19 @@ struct BallScene {
   }
 
  private:
+  // back: of unit length, away from what it sees; turn: its angle about z.
+  void Add(const Point& at, double turn, const Point& back) {
+    const Point right{-std::sin(turn), std::cos(turn), 0};
+    const Point above{back[1] * right[2] - back[2] * right[1],
+                      back[2] * right[0] - back[0] * right[2],
+                      back[0] * right[1] - back[1] * right[0]};
+    Json matrix = Json::array();
+    for (size_t k = 0; k < 3; ++k) matrix.push_back({right[k], above[k], back[k], at[k]});
+    matrix.push_back({0, 0, 0, 1});
+    const std::string name = std::to_string(json["frames"].size()) + ".png";
+    WriteImage(folder / name, Rendering(matrix));
+    json["frames"].push_back({{"file_path", name}, {"transform_matrix", matrix}});
+  }
   Image8 Rendering(const Json& matrix) const {
     Image8 image(kSide, kSide, 4);
     const auto along = [&](const Point& p, size_t column) {
@@ -137,6 +150,12 @@ TEST(CheckRendering, SomeCamerasAreNearer) {
   BallScene scene(Spring());
   scene.Film({}, 18, 4);
   scene.Film({}, 6, 1.2);
+  EXPECT_EQ(Said(scene.Check()), "");
+}
+
+TEST(CheckRendering, CamerasOnARailLookNowhere) {
+  BallScene scene({{{0, 0.1, 0}, 0.3}, {{0.2, -0.2, 0.2}, 0.15}});
+  scene.FilmFromARail(24);
   EXPECT_EQ(Said(scene.Check()), "");
 }
 
