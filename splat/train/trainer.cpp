@@ -253,6 +253,12 @@ void Trainer::UpdateSmoothing() {
 
 // The plan of the step that begins with this iteration.
 StepPlan Trainer::PlanOf(int iteration, size_t frame) {
+  float color_curvature = 0;
+  if (settings_.color_curvature > 0) {
+    const Camera& camera = subject_.camera(frame);
+    color_curvature =
+        settings_.ColorCurvatureOf(frames_.size(), size_t(3) * camera.width * camera.height);
+  }
   return {iteration,
           frame,
           {NextBackground(), active_degree(), settings_.exp_degree},
@@ -261,7 +267,8 @@ StepPlan Trainer::PlanOf(int iteration, size_t frame) {
           DownscaleAt(iteration),
           {},
           settings_.schedule.PositionRate(
-              iteration, settings_.rates.exposure, settings_.rates.exposure * kLastExposureRate)};
+              iteration, settings_.rates.exposure, settings_.rates.exposure * kLastExposureRate),
+          color_curvature};
 }
 
 StepPlan Trainer::NextView(int iteration) { return PlanOf(iteration, NextFrame()); }

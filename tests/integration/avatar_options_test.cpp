@@ -269,6 +269,7 @@ TEST(ScenePreset, TheDefaultImprovesOn3dgs) {
   EXPECT_FLOAT_EQ(ours.rates.color, 2.5e-3f);
   EXPECT_FLOAT_EQ(ours.rates.opacity, 0.025f);
   EXPECT_FLOAT_EQ(ours.rates.rotation, 2e-3f);
+  EXPECT_GT(ours.color_curvature, 0);
   EXPECT_TRUE(ours.density.shares_opacity);
   EXPECT_TRUE(std::isinf(ours.density.max_scale));
   EXPECT_TRUE(ours.schedule.ResetsOpacityAt(3000));
@@ -314,6 +315,7 @@ TEST(ScenePreset, BlocksLearnAt3dgsRates) {
   EXPECT_FLOAT_EQ(s.rates.color, 2.5e-3f);
   EXPECT_FLOAT_EQ(s.rates.opacity, 0.05f);
   EXPECT_FLOAT_EQ(s.rates.scale, 1e-2f);
+  EXPECT_EQ(s.color_curvature, 0);
   o.feature_lr = 4e-3f;
   EXPECT_FLOAT_EQ(o.ToSettings(1).rates.color, 4e-3f);
 }
@@ -328,6 +330,7 @@ TEST(ScenePreset, The3dgsOneIs3dgs) {
   EXPECT_FLOAT_EQ(s.rates.opacity, 0.05f);
   EXPECT_FLOAT_EQ(s.rates.rotation, 1e-3f);
   EXPECT_FLOAT_EQ(s.density.gradient_threshold, 2e-4f);
+  EXPECT_EQ(s.color_curvature, 0);
   EXPECT_FALSE(s.density.shares_opacity);
   EXPECT_FLOAT_EQ(s.density.max_scale, 0.1f);
   EXPECT_EQ(s.LossAt(30000).mse, 0);

@@ -4,7 +4,9 @@
 
 #include <cmath>
 
+#include "splat/device/for_each.h"
 #include "splat/train/density/bands.h"
+#include "splat/train/step/kernels/step.h"
 #include "splat/train/subject/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 
@@ -45,6 +47,43 @@ TEST(BandsInTraining, TrainingIsTheSameForAnyNumberOfThreads) {
   EXPECT_FALSE(one.gaussians.degrees.empty());
   EXPECT_EQ(one.gaussians.degrees, four.gaussians.degrees);
   EXPECT_TRUE(test::SameBits(one, four));
+}
+
+double SumOfSquares(const Buffer<float>& values) {
+  double sum = 0;
+  for (const float x : values) sum += double(x) * x;
+  return sum;
+}
+
+// A few views say little of how colours depend on direction.
+TEST(BandsInTraining, AreSmoothWhereFewViewsAre) {
+  SmallRun run(1, 0);
+  const double free = SumOfSquares(run.Train().gaussians.values[kColorRest]);
+  run.settings.color_curvature = 0.03f;
+  const TrainingState smooth = run.Train();
+  EXPECT_LT(SumOfSquares(smooth.gaussians.values[kColorRest]), 0.7 * free);
+  EXPECT_TRUE(test::SameBits(smooth, run.Train(1)));
+  run.settings.batch = 4;
+  EXPECT_LT(SumOfSquares(run.Train().gaussians.values[kColorRest]), 0.7 * free);
+}
+
+TEST(BandsInTraining, AreFreeWhereManyViewsAre) {
+  TrainSettings settings;
+  settings.color_curvature = 6;
+  EXPECT_EQ(settings.ColorCurvatureOf(3, 12), 0.5f);
+  EXPECT_EQ(settings.ColorCurvatureOf(25, 12), 0.5f);
+  EXPECT_FLOAT_EQ(settings.ColorCurvatureOf(40, 12), 0.2f);
+  EXPECT_EQ(settings.ColorCurvatureOf(50, 12), 0);
+  EXPECT_EQ(settings.ColorCurvatureOf(100, 12), 0);
+}
+
+TEST(BandsInTraining, TheKernelAddsTheDerivativeOfVisibleOnes) {
+  const Buffer<float> visible{1, 0}, rest{0.5f, -1, 2, 3, 4, 5};
+  Buffer<float> d_rest{1, 1, 1, 1, 1, 1};
+  ColorCurvatureBackward kernel{{0, 2}, visible.view(), rest.view(), d_rest.view(), 3};
+  ForEach(2, HostStream(), kernel);
+  EXPECT_EQ(std::vector<float>(d_rest.begin(), d_rest.end()),
+            (std::vector<float>{2, -1, 5, 1, 1, 1}));
 }
 
 TEST(BandsInTraining, WhatWasDroppedStaysSo) {

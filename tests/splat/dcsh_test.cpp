@@ -43,6 +43,23 @@ TEST(Dcsh, EqualsTheAngularFormToDegreeSix) {
   }
 }
 
+// Along the sphere, by second differences in two directions.
+TEST(Dcsh, TheSpheresLaplacianMultipliesABandByItsEigenvalue) {
+  const double step = 1e-3;
+  const Vec3<double> u = RandomDirection(4);
+  const Vec3<double> a = Normalize(Vec3<double>{-u.y, u.x, 0}), b = Cross(u, a);
+  double at[16], sum[16] = {};
+  EvaluateBasis<3>(u, BasisConstants(Basis::kDcsh), at);
+  for (const Vec3<double>& along : {a, b, -a, -b}) {
+    double near[16];
+    EvaluateBasis<3>(Normalize(u + along * std::tan(step)), BasisConstants(Basis::kDcsh), near);
+    for (int k = 0; k < 16; ++k) sum[k] += (near[k] - at[k]) / (step * step);
+  }
+  for (int l = 0; l <= 3; ++l)
+    for (int k = l * l; k < (l + 1) * (l + 1); ++k)
+      EXPECT_NEAR(sum[k], -l * (l + 1) * at[k], 1e-4) << k;
+}
+
 TEST(Sh, Equals3dgsPolynomials) {
   const Vec3<double> u = RandomDirection(5);
   const double x = u.x, y = u.y, z = u.z;

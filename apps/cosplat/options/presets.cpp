@@ -24,6 +24,7 @@ PresetRules SceneDefault() {
   rules.renderings_grad_threshold = 1.5e-4f;
   // Nor is there anything in them that squares would give too much weight.
   rules.renderings_late_mse = 30;
+  rules.color_curvature = 0.0075f;
   return rules;
 }
 
@@ -36,6 +37,7 @@ PresetRules BlockDefault() {
   rules.rates.scale = SceneDefault().rates.scale;
   rules.color_rate_by_length = false;
   rules.renderings_late_mse = 0;
+  rules.color_curvature = 0;
   return rules;
 }
 

@@ -34,6 +34,7 @@ struct PresetRules {
   float last_rate_share = 1;
   float mse = 0;                                   // weight in the loss
   float renderings_late_mse = 0;                   // LateMse of renderings, of short runs
+  float color_curvature = 0;                       // TrainSettings::color_curvature
   bool all_bands_at_start = false;                 // of colour
   std::optional<int> densify_from, densify_until;  // of 30,000 steps; none: 3DGS's
   // Screen gradients from which Gaussians are added. None: 3DGS's.

@@ -26,6 +26,7 @@ TrainSettings TrainOptions::SettingsBy(const PresetRules& rules, float extent) c
   if (renderings) s.late_mse = Schedule::LateMse(rules.renderings_late_mse, iterations);
   if (lambda_lpips > 0 && lpips.empty())
     throw Error("--lambda_lpips", "needs a network: --lpips DIR (docs/lpips.md)");
+  s.color_curvature = rules.color_curvature;
   s.crop_loss.weight = lambda_lpips;
   s.crop_loss.side = lpips_crop;
   s.rates = rules.rates;

@@ -66,7 +66,7 @@ void ProvideTrainKernels() {
     ForEachThread(n, stream, UpdateOne{all});
   };
   Provide<FindBehind>();
-  Provide<AccumulateStep, AddContributions, Weaken>();
+  Provide<AccumulateStep, AddContributions, Weaken, ColorCurvatureBackward>();
   Provide<SumBlocks<NeedleLengths>,
           SumBlocks<View<const NeedleSum>>,
           AddUpNeedles,

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "splat/base/error.h"
+#include "splat/basis_constants.h"
 #include "splat/device/for_each.h"
 #include "splat/train/step/kernels/step.h"
 #include "splat/train/subject/reduced_frames.h"
@@ -150,7 +151,8 @@ void StepEngine::Submit(SubmittedStep& step, bool waits) {
   Backward(step);
   Gaussians& gradients = drawing_.gradients;
   if (subject_.IsGuess(step.plan.frame)) WeakenShapes(gradients);
-  const View<const float> updated = Regularize(step, drawing_.tape->radii(), gradients);
+  const View<const float> updated =
+      Regularize(step, drawing_.tape->radii(), step.plan.color_curvature, gradients);
   Update(step.plan, settings_.adam_on == AdamOn::kAll ? View<const float>() : updated, gradients);
   if (settings_.exposure) UpdateExposure(step.plan, loss_.d_exposure());
 }
@@ -237,10 +239,22 @@ void StepEngine::WeakenShapes(Gaussians& gradients) {
 
 View<const float> StepEngine::Regularize(SubmittedStep& step,
                                          View<const float> visible,
+                                         float color_curvature,
                                          Gaussians& gradients) {
+  const Gaussians& gaussians = state_.now().gaussians;
+  if (color_curvature > 0 && gaussians.degree > 0) {
+    ColorCurvatureBackward kernel{{},
+                                  visible,
+                                  gaussians.values[kColorRest].view(),
+                                  gradients.values[kColorRest].view(),
+                                  size_t(gaussians.width(kColorRest))};
+    for (int k = 1; k < CoefficientCount(gaussians.degree); ++k)
+      kernel.weights[k] = color_curvature * CurvatureWeights(gaussians.basis)[k];
+    ForEach(gaussians.size(), stream_, kernel);
+  }
   if (!needles_.acts()) return visible;
   const View<const float> updated =
-      needles_.Backward(state_.now().gaussians, visible, count(), shards(), gradients);
+      needles_.Backward(gaussians, visible, count(), shards(), gradients);
   step.of_needles.Ask(needles_.value(), stream_);
   return updated;
 }
@@ -287,7 +301,8 @@ double StepEngine::StepOfSeveral(std::span<const StepPlan> views) {
   const bool updates_all = settings_.adam_on == AdamOn::kAll;
   if (needles_.acts() || updates_all) sum.ZeroUnseen();
   SubmittedStep& step = steps_.alone();
-  const View<const float> updated = Regularize(step, sum.update_mask(), sum.gradients());
+  const View<const float> updated = Regularize(
+      step, sum.update_mask(), float(views.size()) * plan.color_curvature, sum.gradients());
   Update(plan, updates_all ? View<const float>() : updated, sum.gradients());
   if (settings_.exposure)
     for (size_t v = 0; v < views.size(); ++v)

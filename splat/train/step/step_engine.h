@@ -155,9 +155,11 @@ class StepEngine : public FrameImages {
   void LearnMask(SubmittedStep& step);
   // Where the frame is a guess: its gradients of sizes and opacities.
   void WeakenShapes(Gaussians& gradients);
-  // Which Gaussians Adam updates: visible ones, and those that the regulariser acts on.
+  // Adds the regularisers' gradients. Returns which Gaussians Adam updates: visible ones, and those
+  // that the one of needles acts on.
   View<const float> Regularize(SubmittedStep& step,
                                View<const float> visible,
+                               float color_curvature,
                                Gaussians& gradients);
   void Update(const StepPlan& plan, View<const float> updated, const Gaussians& gradients);
   // [12] the frame's exposure; null if none are trained.

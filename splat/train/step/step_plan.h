@@ -20,6 +20,7 @@ struct StepPlan {
   int downscale = 1;                // factor that the sides of its image are divided by
   Crop crop;                        // for the crop loss; the engine draws it
   float exposure_rate = 0;          // of Adam on the frame's exposure
+  float color_curvature = 0;        // weight of ColorCurvatureBackward (kernels/step.h)
 };
 
 // What drawing a view and its backward pass leave, in the stream's memory; reused between steps.

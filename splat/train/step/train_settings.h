@@ -1,6 +1,7 @@
 // Settings of a training run (splat/train/trainer.h).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -48,6 +49,8 @@ struct ScaleRegularizer {
 // Steps between updates of the 3D smoothing filter (Mip-Splatting's released code).
 constexpr int kSmoothingEvery = 100;
 
+constexpr size_t kFewViews = 25;
+
 struct TrainSettings {
   int iterations = 30000;  // views trained on
   // Those of an earlier training of the first Gaussians, where the schedule goes on.
@@ -61,6 +64,10 @@ struct TrainSettings {
   Background background = Background::kBlack;
   LossWeights loss;
   float late_mse = 0;  // is added to the loss' weight of the squared error after density control
+  // Weight of half the mean square, over all directions, of the Laplacian of visible Gaussians'
+  // colours, beside one of an image's values: a few views say little of how colours depend on
+  // direction. In full up to kFewViews training views, not at all from twice as many on.
+  float color_curvature = 0;
   CropLossSettings crop_loss;
   ScaleRegularizer scale_regularizer;
   LearningRates rates;
@@ -78,6 +85,11 @@ struct TrainSettings {
   bool exposure = false;
   int exp_degree = kMaxExpDegree;  // of the blend loop's exponential (splat/config.h)
 
+  // Of a step, whose loss is a mean over `values` of an image.
+  float ColorCurvatureOf(size_t training_views, size_t values) const {
+    const float share = 2 - float(training_views) / kFewViews;
+    return color_curvature * std::clamp(share, 0.0f, 1.0f) / float(values);
+  }
   LossWeights LossAt(int iteration) const {
     LossWeights weights = loss;
     if (iteration > schedule.densify_until) weights.mse += late_mse;

@@ -3,6 +3,7 @@
 
 #include "splat/device/buffer.h"
 #include "splat/device/sum.h"
+#include "splat/gaussians.h"
 #include "splat/render/contribution.h"
 
 namespace cosplat {
@@ -17,6 +18,21 @@ struct Weaken {
   float factor;
   View<float> numbers;
   COSPLAT_HD void operator()(size_t i) const { numbers[i] *= factor; }
+};
+
+// Adds the gradient of weight / 2 times the sum of w_k c_k^2 over the coefficients of visible
+// Gaussians, with w_k of CurvatureWeights (splat/basis_constants.h).
+struct ColorCurvatureBackward {
+  float weights[CoefficientCount(kMaxTrainedDegree)];  // weight w_k
+  View<const float> visible;                           // [N] positive if so
+  View<const float> rest;                              // [N, width] coefficients of bands >= 1
+  View<float> d_rest;
+  size_t width;
+  COSPLAT_HD void operator()(size_t i) const {
+    if (!(visible[i] > 0)) return;
+    for (size_t k = 0; k < width; ++k)
+      d_rest[i * width + k] += weights[k / 3 + 1] * rest[i * width + k];
+  }
 };
 
 // Which Gaussians ScaleRegularizer (splat/train/step/train_settings.h) acts on: large needle-like
