@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kSameImage = 0.5;  // of 255; neighbours in a video that hardly moves have more
 constexpr double kFlat = 1.5;       // contrast, of 255
+constexpr size_t kFewViews = 3;     // fewer show a scene only from where they are
 
 std::vector<const SceneView*> AllViews(const SceneData& scene) {
   std::vector<const SceneView*> views;
@@ -55,6 +56,15 @@ void CheckCameras(const std::vector<const SceneView*>& views, std::vector<Findin
                         std::to_string(twins) + " of " + std::to_string(views.size()) +
                             " cameras have the pose of another one (" + pair + ")"});
   }
+}
+
+void CheckCount(const SceneData& scene, std::vector<Finding>& findings) {
+  const size_t views = scene.train.size();
+  if (views < kFewViews)
+    findings.push_back({false,
+                        std::to_string(views) + " training view" + (views == 1 ? "" : "s") +
+                            ": what is seen from anywhere else is made up; take 50 to 150 "
+                            "photographs from all around"});
 }
 
 void CheckContent(const std::vector<LookedAt>& looked, std::vector<Finding>& findings) {
@@ -129,6 +139,7 @@ void CheckRepeated(const std::vector<LookedAt>& looked, std::vector<Finding>& fi
 std::vector<Finding> CheckScene(const SceneData& scene) {
   std::vector<Finding> findings;
   const std::vector<const SceneView*> views = AllViews(scene);
+  CheckCount(scene, findings);
   CheckCameras(views, findings);
   const std::vector<LookedAt> looked = LookAt(views);
   CheckContent(looked, findings);

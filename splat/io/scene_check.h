@@ -11,10 +11,10 @@
 
 namespace cosplat {
 
-// Looks at 24 views at most: cameras in one spot, images without content, test images that are
-// training images, views that see no points, and images that fit the points (of renderings with
-// alpha: whose silhouettes fit each other) no better than those of other views, mirrored ones or
-// those of another focal length do. Throws Error as LoadViewImage does.
+// Looks at 24 views at most: few views, cameras in one spot, images without content, test images
+// that are training images, views that see no points, and images that fit the points (of renderings
+// with alpha: whose silhouettes fit each other) no better than those of other views, mirrored ones
+// or those of another focal length do. Throws Error as LoadViewImage does.
 std::vector<Finding> CheckScene(const SceneData& scene);
 
 }  // namespace cosplat

@@ -12,9 +12,9 @@
 namespace cosplat::test {
 namespace {
 
-// 24 views of the plane over a wide path, with points.
+// Views of the plane over a wide path, with points.
 struct Scene : NerfScene {
-  Scene() : NerfScene(24) { WritePoints("points3D.ply"); }
+  explicit Scene(int views = 24) : NerfScene(views) { WritePoints("points3D.ply"); }
 };
 
 void ChangeImages(const NerfScene& scene, const std::function<void(int, Image8&)>& change) {
@@ -29,6 +29,17 @@ TEST(CheckScene, SaysNothingOfGoodData) {
   const Scene scene;
   EXPECT_EQ(Said(CheckScene(scene.Load())), "");
   EXPECT_EQ(Said(CheckScene(scene.Load({1, true, false}))), "");
+}
+
+// Of one or two, views from elsewhere have some 11 dB.
+TEST(CheckScene, FewViewsAreWorthALine) {
+  const auto of = [](int views) { return CheckScene(Scene(views).Load()); };
+  const std::vector<Finding> one = of(1), two = of(2);
+  ASSERT_EQ(one.size(), 1u) << Said(one);
+  EXPECT_FALSE(one.front().wrong);
+  EXPECT_NE(one.front().text.find("1 training view:"), std::string::npos) << Said(one);
+  EXPECT_NE(Said(two).find("2 training views:"), std::string::npos) << Said(two);
+  EXPECT_EQ(Said(of(3)), "");
 }
 
 TEST(CheckScene, PointsThatAProgramStrewedSayNothing) {
