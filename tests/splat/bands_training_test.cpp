@@ -80,7 +80,7 @@ TEST(BandsInTraining, AreFreeWhereManyViewsAre) {
 TEST(BandsInTraining, TheKernelAddsTheDerivativeOfVisibleOnes) {
   const Buffer<float> visible{1, 0}, rest{0.5f, -1, 2, 3, 4, 5};
   Buffer<float> d_rest{1, 1, 1, 1, 1, 1};
-  ColorCurvatureBackward kernel{{0, 2}, visible.view(), rest.view(), d_rest.view(), 3};
+  ColorCurvatureBackward kernel{{2, 2, 2}, visible.view(), rest.view(), d_rest.view(), 3};
   ForEach(2, HostStream(), kernel);
   EXPECT_EQ(std::vector<float>(d_rest.begin(), d_rest.end()),
             (std::vector<float>{2, -1, 5, 1, 1, 1}));

@@ -248,8 +248,8 @@ View<const float> StepEngine::Regularize(SubmittedStep& step,
                                   gaussians.values[kColorRest].view(),
                                   gradients.values[kColorRest].view(),
                                   size_t(gaussians.width(kColorRest))};
-    for (int k = 1; k < CoefficientCount(gaussians.degree); ++k)
-      kernel.weights[k] = color_curvature * CurvatureWeights(gaussians.basis)[k];
+    for (size_t k = 0; k < kernel.width; ++k)
+      kernel.weights[k] = color_curvature * CurvatureWeights(gaussians.basis)[1 + k / 3];
     ForEach(gaussians.size(), stream_, kernel);
   }
   if (!needles_.acts()) return visible;

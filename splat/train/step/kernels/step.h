@@ -23,15 +23,16 @@ struct Weaken {
 // Adds the gradient of weight / 2 times the sum of w_k c_k^2 over the coefficients of visible
 // Gaussians, with w_k of CurvatureWeights (splat/basis_constants.h).
 struct ColorCurvatureBackward {
-  float weights[CoefficientCount(kMaxTrainedDegree)];  // weight w_k
-  View<const float> visible;                           // [N] positive if so
-  View<const float> rest;                              // [N, width] coefficients of bands >= 1
+  float weights[3 * CoefficientCount(kMaxTrainedDegree)];  // [width] weight w_k of each channel
+  View<const float> visible;                               // [N] positive if so
+  View<const float> rest;                                  // [N, width] bands >= 1
   View<float> d_rest;
   size_t width;
   COSPLAT_HD void operator()(size_t i) const {
     if (!(visible[i] > 0)) return;
-    for (size_t k = 0; k < width; ++k)
-      d_rest[i * width + k] += weights[k / 3 + 1] * rest[i * width + k];
+    const float* coefficient = &rest[i * width];
+    float* gradient = &d_rest[i * width];
+    for (size_t k = 0; k < width; ++k) gradient[k] += weights[k] * coefficient[k];
   }
 };
 
