@@ -66,26 +66,6 @@ inline constexpr std::array<float, kMaxCoefficients> kConstants[] = {
     MakeConstants(Basis::kDcshLiteral)};
 static_assert(std::size(kConstants) == kBasisNames.size());
 
-// The sphere's Laplacian has the eigenvalue l (l + 1) in band l, and N3D's functions have a mean
-// square of 1.
-constexpr std::array<float, kMaxCoefficients> MakeCurvatureWeights(Basis basis) {
-  const std::array<float, kMaxCoefficients> own = MakeConstants(basis),
-                                            n3d = MakeConstants(Basis::kDcsh);
-  std::array<float, kMaxCoefficients> weights{};
-  for (int l = 1; l <= kMaxEvaluatedDegree; ++l)
-    for (int k = l * l; k < (l + 1) * (l + 1); ++k)
-      weights[k] = float(l * (l + 1) * l * (l + 1)) * (own[k] / n3d[k]) * (own[k] / n3d[k]);
-  return weights;
-}
-
-// In the order of Basis.
-inline constexpr std::array<float, kMaxCoefficients> kCurvatureWeights[] = {
-    MakeCurvatureWeights(Basis::kDcsh),
-    MakeCurvatureWeights(Basis::kSh),
-    MakeCurvatureWeights(Basis::kDcshReleased),
-    MakeCurvatureWeights(Basis::kDcshLiteral)};
-static_assert(std::size(kCurvatureWeights) == kBasisNames.size());
-
 }  // namespace internal
 
 // [49] in 3DGS's coefficient order.
@@ -93,11 +73,15 @@ inline const float* BasisConstants(Basis basis) {
   return internal::kConstants[size_t(basis)].data();
 }
 
-// [49] likewise: the mean over all directions of the square of a channel's Laplacian on the unit
-// sphere is the sum of these weights times the squares of its coefficients: the penalty of
-// smoothing splines (Wahba 1981, Spline interpolation and smoothing on the sphere).
-inline const float* CurvatureWeights(Basis basis) {
-  return internal::kCurvatureWeights[size_t(basis)].data();
+// The mean over all directions of the square of a channel's Laplacian on the unit sphere is the sum
+// of these weights times the squares of its coefficients k: the penalty of smoothing splines (Wahba
+// 1981, Spline interpolation and smoothing on the sphere). The Laplacian multiplies band l by
+// -l (l + 1), and N3D's functions have a mean square of 1.
+inline float CurvatureWeight(Basis basis, int k) {
+  int l = 0;
+  while (CoefficientCount(l) <= k) ++l;
+  const float scale = BasisConstants(basis)[k] / BasisConstants(Basis::kDcsh)[k];
+  return float(l * (l + 1) * l * (l + 1)) * scale * scale;
 }
 
 }  // namespace cosplat

@@ -249,7 +249,7 @@ View<const float> StepEngine::Regularize(SubmittedStep& step,
                                   gradients.values[kColorRest].view(),
                                   size_t(gaussians.width(kColorRest))};
     for (size_t k = 0; k < kernel.width; ++k)
-      kernel.weights[k] = color_curvature * CurvatureWeights(gaussians.basis)[1 + k / 3];
+      kernel.weights[k] = color_curvature * CurvatureWeight(gaussians.basis, 1 + int(k) / 3);
     ForEach(gaussians.size(), stream_, kernel);
   }
   if (!needles_.acts()) return visible;

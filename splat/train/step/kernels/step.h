@@ -21,7 +21,7 @@ struct Weaken {
 };
 
 // Adds the gradient of weight / 2 times the sum of w_k c_k^2 over the coefficients of visible
-// Gaussians, with w_k of CurvatureWeights (splat/basis_constants.h).
+// Gaussians, with w_k of CurvatureWeight (splat/basis_constants.h).
 struct ColorCurvatureBackward {
   float weights[3 * CoefficientCount(kMaxTrainedDegree)];  // [width] weight w_k of each channel
   View<const float> visible;                               // [N] positive if so
