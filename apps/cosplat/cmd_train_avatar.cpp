@@ -171,7 +171,7 @@ bool TrainAvatar(AvatarOptions o, const std::string& config) {
   FlameModel flame = LoadFlameModel(o.flame);
   if (o.mouth) flame = WithMouth(std::move(flame));
   TrackedVideo loaded = LoadSplitVideo(o.source, SplitOf(o), flame);
-  const bool sound = PrintFindings(o.source, CheckTrack(flame, loaded), o.strict);
+  const bool sound = PrintFindings(o.source, CheckTrack(flame, loaded), o.strict, o.quiet);
   if (TracksEyelids(loaded)) {
     flame = WithEyelids(std::move(flame));
     EyelidsToExpression(flame, loaded);

@@ -139,7 +139,7 @@ bool TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
   SceneData scene = LoadSplitScene(o.source, split);
   split.origin = scene.origin;
   bool sound = true;
-  if (writes || o.strict) sound = PrintFindings(o.source, CheckScene(scene), o.strict);
+  if (writes || o.strict) sound = PrintFindings(o.source, CheckScene(scene), o.strict, o.quiet);
   sound = Smallest(uint32_t(sound), *ranks) != 0;
   const MemoryPlan plan = PlanMemory(o, scene);
   o.max_gaussians = plan.at_once();

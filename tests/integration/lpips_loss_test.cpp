@@ -17,7 +17,7 @@ class LpipsLossCommand : public testing::Test {
  protected:
   LpipsLossCommand() {
     WriteReluLpips(net_, "small");
-    WriteBallScene(photos_, 4);
+    WriteBallScene(photos_, 6);
   }
   CommandResult Train(const std::string& name, const std::vector<std::string>& more) const {
     std::vector<std::string> arguments{

@@ -25,9 +25,13 @@ std::string ToString(const std::vector<Finding>& findings) {
   return text;
 }
 
-bool PrintFindings(const std::string& source, const std::vector<Finding>& findings, bool strict) {
-  if (!findings.empty()) std::fprintf(stderr, "%s", ToString(findings).c_str());
+bool PrintFindings(const std::string& source,
+                   const std::vector<Finding>& findings,
+                   bool strict,
+                   bool quiet) {
   const bool wrong = AnyWrong(findings);
+  if (wrong || (!findings.empty() && !quiet))
+    std::fprintf(stderr, "%s", ToString(findings).c_str());
   if (strict && wrong)
     throw Error(source, "check", "something is wrong with the data (above): --strict refuses it");
   return !wrong;

@@ -22,9 +22,12 @@ Gaussians ReadSplatsAloud(const std::string& path);
 // A block of lines, what is wrong first; "the data tells one story" if there are none.
 std::string ToString(const std::vector<Finding>& findings);
 
-// Before training: prints the block on stderr, if there is any, and returns whether the data tells
-// one story. Throws Error if something is wrong and `strict`.
-bool PrintFindings(const std::string& source, const std::vector<Finding>& findings, bool strict);
+// Before training: prints the block on stderr, if there is any (`quiet`: if something is wrong),
+// and returns whether the data tells one story. Throws Error if something is wrong and `strict`.
+bool PrintFindings(const std::string& source,
+                   const std::vector<Finding>& findings,
+                   bool strict,
+                   bool quiet);
 
 constexpr int kSomethingWrong = 3;  // exit code: results are whole, but of data that is wrong
 
