@@ -77,7 +77,7 @@ TrackedVideo LoadTrackedVideo(const std::string& path, const TrackOptions& optio
 
 // Compares masks and alpha of some frames with where the posed head is: inverted masks are taken as
 // such, with a note; masks that miss the head are noted. flame: as in TrackOptions. Throws Error if
-// they show nothing at all, or as LoadTrackedImage does.
+// they show nothing at all.
 void SettleMasks(const FlameModel& flame, TrackedVideo& video);
 
 // The same for parameters and cameras only, of such a folder or of a driving sequence *.npz, whose
@@ -130,7 +130,8 @@ Image8 LoadTrackedImage(const TrackedVideo& video, const TrackedFrame& frame);
 // Looks at 24 frames at most, those that move most, and their neighbours: heads outside of the
 // image or of the mask, or of another size than the masks'; images upside down, mirrored, of other
 // moments than their parameters, or without content; expressions that the model cannot have. After
-// SettleMasks. flame: as in TrackOptions. Throws Error as FlamePoser and LoadTrackedImage do.
+// SettleMasks. Images that cannot be used are noted and left out, as in training. flame: as in
+// TrackOptions. Throws Error as FlamePoser does, or if there are no other images.
 std::vector<Finding> CheckTrack(const FlameModel& flame, const TrackedVideo& video);
 
 // A frame's mesh: [V, 3], world units. Coefficients that the model lacks do not move it.

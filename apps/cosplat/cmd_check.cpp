@@ -39,7 +39,8 @@ std::string PicturesOf(const SceneData& scene) {
                                 : "<h2>The images</h2>";
   html += has_points ? "<div class='pairs'>" : "<div class='many'>";
   for (const SceneView* view : Spread(views, kPictures)) {
-    const Image8 image = ReducedTo(LoadViewImage(*view), kPictureSide);
+    Image8 image;
+    if (!Problem([&] { image = ReducedTo(LoadViewImage(*view), kPictureSide); }).empty()) continue;
     const Camera camera = view->camera.Resized(image.width, image.height);
     html += FigureHtml(OverBlack(image), view->name);
     if (has_points) html += FigureHtml(PointsOver(scene, camera, OverBlack(image)), "points");
@@ -53,7 +54,9 @@ std::string PicturesOf(const FlameModel& flame, const TrackedVideo& video) {
       "the data is right.</p><div class='many'>";
   for (const TrackedFrame* frame : Spread(InstantsOf(video), kPictures)) {
     if (!frame->has_image) continue;
-    const Image8 image = ReducedTo(LoadTrackedImage(video, *frame), kPictureSide);
+    Image8 image;
+    const auto load = [&] { image = ReducedTo(LoadTrackedImage(video, *frame), kPictureSide); };
+    if (!Problem(load).empty()) continue;
     html += FigureHtml(MeshOver(TrackedVertices(flame, video, *frame),
                                 flame.faces,
                                 frame->camera.Resized(image.width, image.height),
@@ -82,12 +85,14 @@ std::vector<Finding> Check(const CheckOptions& o) {
   if (TrackLayoutOf(o.data).empty()) {
     const SceneData scene = LoadSplitScene(o.data, split);
     findings = CheckScene(scene);
+    NoteSkipped(scene.train.size() + scene.test.size(), scene.skipped, "images", findings);
     if (!o.page.empty()) pictures = PicturesOf(scene);
   } else {
     split.eval = false;  // frames in one list
     const FlameModel flame = LoadFlameModel(HeadModelOfTrack(o.flame, o.data));
     const TrackedVideo video = LoadSplitVideo(o.data, split, flame);
     findings = CheckTrack(flame, video);
+    NoteSkipped(video.train.size() + video.test.size(), video.skipped, "frames", findings);
     if (!o.page.empty()) pictures = PicturesOf(flame, video);
   }
   if (!o.page.empty())

@@ -80,7 +80,10 @@ std::vector<float> Posed(const FlamePoser<float>& poser,
 
 // From each part of the video the frame whose head has moved most since the frame before, since
 // motion shows what does not agree.
-std::vector<SeenFrame> LookAt(const FlameModel& flame, const TrackedVideo& video) {
+// Less those whose image cannot be used.
+std::vector<SeenFrame> LookAt(const FlameModel& flame,
+                              const TrackedVideo& video,
+                              std::vector<SkippedFrame>& skipped) {
   std::vector<const TrackedFrame*> frames = InstantsOf(video);
   std::erase_if(frames, [](const TrackedFrame* frame) { return !frame->has_image; });
   const FlamePoser<float> poser = PoserOf(flame, video);
@@ -112,19 +115,29 @@ std::vector<SeenFrame> LookAt(const FlameModel& flame, const TrackedVideo& video
     }
     all.push_back(std::move(best));
   }
+  std::vector<std::string> problems(all.size());  // of their own images
   const auto load = [&](size_t k) {
     for (int shift = -kShifts; shift <= kShifts; ++shift) {
       const ptrdiff_t i = ptrdiff_t(at[k]) + shift;
       if (i < 0 || i >= ptrdiff_t(n)) continue;
-      all[k].images[size_t(kShifts + shift)] =
-          ReducedTo(LoadTrackedImage(video, *frames[size_t(i)]), kSide);
+      const std::string problem = Problem([&] {
+        all[k].images[size_t(kShifts + shift)] =
+            ReducedTo(LoadTrackedImage(video, *frames[size_t(i)]), kSide);
+      });
+      if (shift == 0) problems[k] = problem;
     }
   };
   if (video.video)  // in order: it is decoded from its beginning
     for (size_t k = 0; k < all.size(); ++k) load(k);
   else
     tbb::parallel_for(size_t(0), all.size(), load);
-  return all;
+  std::vector<SeenFrame> usable;
+  for (size_t k = 0; k < all.size(); ++k)
+    if (problems[k].empty())
+      usable.push_back(std::move(all[k]));
+    else
+      skipped.push_back({all[k].frame->name, problems[k]});
+  return usable;
 }
 
 // How many frames a condition holds for, and the first of them.
@@ -218,7 +231,10 @@ std::vector<float> TrackedVertices(const FlameModel& flame,
 
 std::vector<Finding> CheckTrack(const FlameModel& flame, const TrackedVideo& video) {
   std::vector<Finding> findings;
-  const std::vector<SeenFrame> all = LookAt(flame, video);
+  std::vector<SkippedFrame> skipped;
+  const std::vector<SeenFrame> all = LookAt(flame, video, skipped);
+  if (all.empty() && !skipped.empty()) CheckSkipped(video.source, 0, skipped);
+  NoteSkipped(all.size(), skipped, "frames looked at", findings);
   if (all.empty()) return findings;
   CheckImages(all, findings);
   CheckMasks(all, findings);

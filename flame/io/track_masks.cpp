@@ -58,7 +58,8 @@ void SettleMasks(const FlameModel& flame, TrackedVideo& video) {
   for (size_t i = 0; i < video.train.size(); i += step) {
     const TrackedFrame& frame = video.train[i];
     if (!frame.has_image) continue;
-    const Image8 image = LoadTrackedImage(video, frame);
+    Image8 image;  // training skips those that cannot be used
+    if (!Problem([&] { image = LoadTrackedImage(video, frame); }).empty()) continue;
     if (image.channels != 4) continue;
     sum.Add(CoverageOf(image, frame.camera, TrackedVertices(flame, video, frame)));
     ++masked;

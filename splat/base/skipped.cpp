@@ -5,12 +5,17 @@
 #include "splat/base/error.h"
 
 namespace cosplat {
+namespace {
+
+bool TooMany(size_t usable, size_t skipped) { return skipped * 3 > usable + skipped; }
+
+}  // namespace
 
 void CheckSkipped(const std::string& source,
                   size_t usable,
                   const std::vector<SkippedFrame>& skipped) {
   const size_t total = usable + skipped.size();
-  if (usable > 0 && skipped.size() * 3 <= total) return;
+  if (usable > 0 && !TooMany(usable, skipped.size())) return;
   if (total == 0) throw Error(source, "contains no frames");
   std::string text = std::to_string(skipped.size()) + " of " + std::to_string(total) +
                      " frames cannot be used, at most a third may: ";
@@ -19,6 +24,18 @@ void CheckSkipped(const std::string& source,
     text += (i ? "; " : "") + skipped[i].name + ": " + skipped[i].reason;
   if (skipped.size() > kShown) text += "; ...";
   throw Error(source, text);
+}
+
+void NoteSkipped(size_t usable,
+                 const std::vector<SkippedFrame>& skipped,
+                 const std::string& what,
+                 std::vector<Finding>& findings) {
+  if (skipped.empty()) return;
+  findings.push_back({TooMany(usable, skipped.size()),
+                      std::to_string(skipped.size()) + " of " +
+                          std::to_string(usable + skipped.size()) + " " + what +
+                          " cannot be used and are left out (" + skipped.front().name + ": " +
+                          skipped.front().reason + ")"});
 }
 
 }  // namespace cosplat

@@ -41,6 +41,13 @@ struct Finding {
   std::string text;    // one sentence: the figure, and what to do
 };
 
+// Adds a finding if any were skipped, wrong if more than a third of all were. what: of which images
+// they are `skipped.size()`, as in "images looked at".
+void NoteSkipped(size_t usable,
+                 const std::vector<SkippedFrame>& skipped,
+                 const std::string& what,
+                 std::vector<Finding>& findings);
+
 inline bool AnyWrong(const std::vector<Finding>& findings) {
   return std::any_of(findings.begin(), findings.end(), [](const Finding& f) { return f.wrong; });
 }

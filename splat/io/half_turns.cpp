@@ -45,8 +45,13 @@ void SettleHalfTurns(SceneData& scene) {
     for (size_t i = 0; i < views.size(); i += step) {
       SceneView as_shown = *views[i];
       as_shown.orientation = as_shown.tag;
-      stored += ColorDifference(*views[i], scene);
-      turned += ColorDifference(as_shown, scene);
+      double as_stored = 0, as_turned = 0;
+      const auto compare = [&] {
+        as_stored = ColorDifference(*views[i], scene);
+        as_turned = ColorDifference(as_shown, scene);
+      };
+      if (!Problem(compare).empty()) continue;  // training skips it
+      stored += as_stored, turned += as_turned;
     }
   const bool turn = turned <= stored;  // without points: as viewers show them
   if (turn)

@@ -160,7 +160,11 @@ std::vector<Finding> CheckScene(const SceneData& scene) {
   const std::vector<const SceneView*> views = AllViews(scene);
   CheckCount(scene, findings);
   CheckCameras(views, findings);
-  const std::vector<LookedAt> looked = LookAt(views);
+  std::vector<SkippedFrame> skipped;
+  const std::vector<LookedAt> looked = LookAt(views, skipped);
+  if (looked.empty() || looked.size() + skipped.size() == views.size())
+    CheckSkipped(scene.source, looked.size(), skipped);
+  NoteSkipped(looked.size(), skipped, "images looked at", findings);
   CheckContent(looked, findings);
   CheckTestImages(scene, looked, findings);
   CheckRepeated(looked, findings);

@@ -14,7 +14,8 @@ namespace cosplat {
 // Looks at 24 views at most: few views, cameras in one spot, images without content, test images
 // that are training images, views that see no points, and images that fit the points (of renderings
 // with alpha: whose silhouettes fit each other) no better than those of other views, mirrored ones
-// or those of another focal length do. Throws Error as LoadViewImage does.
+// or those of another focal length do. Images that cannot be used are noted and left out, as in
+// training. Throws Error as CheckSkipped does if there are no others, or all views were looked at.
 std::vector<Finding> CheckScene(const SceneData& scene);
 
 }  // namespace cosplat

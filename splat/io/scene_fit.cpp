@@ -213,7 +213,8 @@ void CheckColors(const SceneData& scene,
                             "(exchanged or renamed), or poses or focal length are wrong"});
 }
 
-std::vector<LookedAt> LookAt(const std::vector<const SceneView*>& views) {
+std::vector<LookedAt> LookAt(const std::vector<const SceneView*>& views,
+                             std::vector<SkippedFrame>& skipped) {
   std::vector<LookedAt> looked;
   const size_t n = views.size(), groups = std::min(kGroups, std::max<size_t>(1, n / kNeighbours));
   for (size_t g = 0; g < groups; ++g) {
@@ -226,14 +227,23 @@ std::vector<LookedAt> LookAt(const std::vector<const SceneView*>& views) {
       looked.push_back(std::move(one));
     }
   }
+  std::vector<std::string> problems(looked.size());
   tbb::parallel_for(size_t(0), looked.size(), [&](size_t i) {
     LookedAt& one = looked[i];
-    const Image8 whole = LoadViewImage(*one.view);
+    Image8 whole;
+    problems[i] = Problem([&] { whole = LoadViewImage(*one.view); });
+    if (!problems[i].empty()) return;
     one.glance = GlanceOf(whole);
     one.image = ReducedTo(whole, kSide);
     one.camera = one.view->camera.Resized(one.image.width, one.image.height);
   });
-  return looked;
+  std::vector<LookedAt> usable;
+  for (size_t i = 0; i < looked.size(); ++i)
+    if (problems[i].empty())
+      usable.push_back(std::move(looked[i]));
+    else
+      skipped.push_back({looked[i].view->name, problems[i]});
+  return usable;
 }
 
 void CheckFit(const SceneData& scene,

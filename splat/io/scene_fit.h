@@ -22,8 +22,9 @@ struct LookedAt {
   size_t group = 0;  // neighbours in `views` are of one group
 };
 
-// Groups of three neighbours, 24 views in all.
-std::vector<LookedAt> LookAt(const std::vector<const SceneView*>& views);
+// Groups of three neighbours, 24 views in all, less those whose image cannot be used.
+std::vector<LookedAt> LookAt(const std::vector<const SceneView*>& views,
+                             std::vector<SkippedFrame>& skipped);
 
 // Adds what it finds.
 void CheckFit(const SceneData& scene,

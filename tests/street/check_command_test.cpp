@@ -31,6 +31,38 @@ TEST(CheckCommand, SaysByItsExitCode) {
   EXPECT_EQ(Cosplat({"check", scenes.bad.folder / "none"}).code, 2);
 }
 
+// As training does: one is empty, one is cut off, beside 22 that are whole.
+TEST(CheckCommand, NamesImagesThatAreLeftOut) {
+  const Scenes scenes;
+  const TemporaryFolder& folder = scenes.good.folder;
+  std::filesystem::resize_file(folder / scenes.good.Frame(4), 0);
+  std::filesystem::resize_file(folder / scenes.good.Frame(7), 100);
+  const CommandResult checked = Cosplat({"check", folder.path(), "-o", folder / "page.html"});
+  EXPECT_EQ(checked.code, 0) << checked.out << checked.err;
+  EXPECT_NE(checked.out.find("1 of 24 images cannot be used and are left out (images/4.png"),
+            std::string::npos)
+      << checked.out;
+  EXPECT_NE(checked.out.find("1 of 21 images looked at cannot be used and are left out (images/7"),
+            std::string::npos)
+      << checked.out;
+  EXPECT_TRUE(std::filesystem::exists(folder / "page.html"));
+  const TemporaryFolder out;
+  const CommandResult trained =
+      Cosplat({"train-scene", "-s", folder.path(), "-m", out / "run", "--iterations", "2"});
+  EXPECT_EQ(trained.code, 0) << trained.err;
+  EXPECT_NE(trained.out.find("2 frames skipped:"), std::string::npos) << trained.out;
+}
+
+TEST(CheckCommand, RefusesAsTrainingWhatCannotBeRead) {
+  const NerfScene scene{9};
+  scene.Load();
+  for (int i = 0; i < 4; ++i) std::filesystem::resize_file(scene.folder / scene.Frame(i), 100);
+  const CommandResult checked = Cosplat({"check", scene.folder.path()});
+  EXPECT_EQ(checked.code, 2) << checked.out;
+  EXPECT_NE(checked.err.find("4 of 9 frames cannot be used"), std::string::npos) << checked.err;
+  EXPECT_NE(checked.err.find("0.png"), std::string::npos) << checked.err;
+}
+
 TEST(CheckCommand, TrainingSaysItByItsExitCodeToo) {
   const Scenes scenes;
   const auto train = [&](const TemporaryFolder& out, const char* option) {

@@ -160,6 +160,30 @@ TEST_F(CheckTrackOf, OneImageForAllFrames) {
   EXPECT_TRUE(Wrong(Check(), "of the frame before")) << Said(Check());
 }
 
+// One is missing, one is cut off: what is left is judged.
+TEST_F(CheckTrackOf, ImagesThatCannotBeRead) {
+  const std::vector<TrackedFrame*> frames = FramesInOrder(video_);
+  const std::string cut = *folder_ / "cut.png";
+  std::filesystem::copy_file(
+      frames[0]->image_path, cut, std::filesystem::copy_options::overwrite_existing);
+  std::filesystem::resize_file(cut, 100);
+  for (size_t i = 0; i < 12; ++i) {
+    frames[i]->image.reset();
+    frames[i]->image_path = i == 0 ? *folder_ / "none.png" : cut;
+  }
+  SettleMasks(flame_, video_);
+  const std::vector<Finding> some = Check();
+  ASSERT_EQ(some.size(), 1u) << Said(some);
+  EXPECT_FALSE(some.front().wrong);
+  EXPECT_NE(some.front().text.find("frames looked at cannot be used and are left out"),
+            std::string::npos)
+      << Said(some);
+  for (size_t i = 0; i < 30; ++i) frames[i]->image.reset(), frames[i]->image_path = cut;
+  EXPECT_TRUE(Wrong(Check(), "cannot be used")) << Said(Check());
+  for (TrackedFrame* frame : frames) frame->image.reset(), frame->image_path = cut;
+  EXPECT_THROW(Check(), Error);
+}
+
 TEST_F(CheckTrackOf, ImagesOfOneColour) {
   Change([](Image8& image) {
     for (size_t i = 0; i < image.data.size(); ++i)

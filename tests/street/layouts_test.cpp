@@ -200,8 +200,12 @@ TEST(Layouts, ImagesWithAnOrientation) {
           if (!stale) WriteImage(path, Upright(ReadImage(path), inverse));
           SetOrientation(path, orientation);
         }
-        const SceneData data = scene.Load();
+        const std::string cut = scene.folder / scene.Frame(8);  // cannot be read, and is not asked
+        fs::resize_file(cut, fs::file_size(cut) / 2);
+        SceneData data = scene.Load();
         ASSERT_EQ(data.train.size(), 9u) << orientation;
+        EXPECT_THROW(LoadViewImage(data.train.back()), Error);
+        data.train.pop_back();
         EXPECT_LT(PlaneDifference(data.train), kOther / 2)  // JPEG's colours at the edges
             << orientation << (stale ? " stale" : "") << (points ? " with points" : "");
       }
