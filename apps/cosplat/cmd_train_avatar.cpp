@@ -230,9 +230,6 @@ bool TrainAvatar(AvatarOptions o, const std::string& config) {
   blendshapes.Write(o.model);
   checkpoint.Remove();
   if (!o.quiet) std::printf("%s", blendshapes.Summary().c_str());
-  if (!o.quiet)
-    std::printf("%.1f %% of the Gaussians moved to another triangle\n",
-                100 * subject.WalkedShare());
   return sound;
 }
 
