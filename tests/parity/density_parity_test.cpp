@@ -59,6 +59,14 @@ TEST_F(DensityParity, CloneSplitAndRemove) {
   }
 }
 
+TEST_F(DensityParity, CutInTwo) {
+  Both both(StateOf(5));
+  DensitySettings settings = Settings();
+  settings.cuts_long_axis = true;
+  both.Do([&](StepEngine& e) { e.ControlDensity(settings, false); });
+  EXPECT_GT(both.device->count(), kCount);
+}
+
 TEST_F(DensityParity, TheStrongestGoFirstWhereThereIsALimit) {
   for (const size_t max : {kCount + 40, kCount, size_t(1)}) {
     Both both(StateOf(4));

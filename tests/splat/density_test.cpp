@@ -203,6 +203,47 @@ TEST(Density, ACloneAndItsOriginalShareTheOpacity) {
   }
 }
 
+// The longest axis of a Gaussian turned by 90 degrees about z: y of the world.
+TEST(Density, CutsInTwoAcrossTheLongestAxis) {
+  TaggedGaussians p(3);
+  p.settings.cuts_long_axis = true;
+  for (const size_t i : {0u, 2u}) {  // one that 3DGS would clone, one that it would split
+    p.SetScale(i, i == 0 ? kSmall : kLarge);
+    p.g.at(kScaleLog, i)[0] += std::log(2.0f);
+    const float turned[4] = {std::sqrt(0.5f), 0, 0, std::sqrt(0.5f)};
+    std::copy_n(turned, 4, p.g.at(kRotation, i));
+    p.g.at(kOpacityLogit, i)[0] = math::Logit(0.5f);
+    p.See(i, 1, 1);
+  }
+  const Gaussians before = p.g;
+  p.Control();
+  ASSERT_EQ(p.Tags(), Tags({2, 1, 1, 3, 3}));
+  for (size_t child = 1; child < 5; ++child) {
+    const size_t whole = child < 3 ? 0 : 2;
+    const float scale = whole == 0 ? kSmall : kLarge;
+    const float offset = (child % 2 == 1 ? 1.5f : -1.5f) * 2 * scale;
+    for (int k = 0; k < 3; ++k)
+      EXPECT_NEAR(p.g.at(kPosition, child)[k],
+                  before.at(kPosition, whole)[k] + (k == 1 ? offset : 0),
+                  1e-5f);
+    EXPECT_NEAR(std::exp(p.g.at(kScaleLog, child)[0]), scale, 1e-5f * scale);
+    for (int k = 1; k < 3; ++k)
+      EXPECT_NEAR(
+          p.g.at(kScaleLog, child)[k], before.at(kScaleLog, whole)[k] + std::log(0.85f), 1e-5f);
+    EXPECT_NEAR(p.g.at(kOpacityLogit, child)[0], math::Logit(0.3f), 1e-5f);
+  }
+}
+
+TEST(Density, HalvesHaveAShareOfTheOpacity) {
+  for (const float logit : {-90.0f, -12.0f, -0.1f, 0.0f, 0.1f, 3.0f, 12.0f, 90.0f}) {
+    float scales[3] = {0, 1, 0}, half = logit;
+    math::CutInHalf(scales, half);
+    ASSERT_TRUE(std::isfinite(half)) << logit;
+    const auto opacity = [](double l) { return 1 / (1 + std::exp(-l)); };
+    EXPECT_NEAR(opacity(half) / opacity(logit), 0.6, 1e-5) << logit;
+  }
+}
+
 TEST(Density, UnseenOnesAreNotDensified) {
   TaggedGaussians p(2);
   p.statistics.Reset(2);

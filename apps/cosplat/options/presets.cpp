@@ -22,6 +22,9 @@ PresetRules SceneDefault() {
   rules.antialiased_grad_threshold = 1.6e-4f;
   // Exact cameras and no noise: more detail is there, and more Gaussians do not overfit.
   rules.renderings_grad_threshold = 1.5e-4f;
+  // In long runs it loses (docs/reference.md).
+  rules.long_axis_max_steps = 7500;
+  rules.long_axis_renderings_grad_threshold = 1.75e-4f;
   // Nor is there anything in them that squares would give too much weight.
   rules.renderings_late_mse = 30;
   rules.color_curvature = 0.0075f;
@@ -36,6 +39,7 @@ PresetRules BlockDefault() {
   rules.rates = LearningRates();
   rules.rates.scale = SceneDefault().rates.scale;
   rules.color_rate_by_length = false;
+  rules.long_axis_max_steps = 0;
   rules.renderings_late_mse = 0;
   rules.color_curvature = 0;
   return rules;

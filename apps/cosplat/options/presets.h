@@ -28,7 +28,11 @@ struct PresetRules {
   LearningRates rates;
   bool color_rate_by_length = false;  // rates.color is that of 30,000 steps
   bool shares_opacity = false;        // between a clone and its original
-  bool limits_scale = true;           // Gaussians that are large beside the scene are removed
+  // Runs of so many steps or fewer cut Gaussians across their longest axis, from these gradients on
+  // in renderings (DensitySettings::cuts_long_axis). Not with --antialiasing.
+  int long_axis_max_steps = 0;
+  float long_axis_renderings_grad_threshold = 0;
+  bool limits_scale = true;  // Gaussians that are large beside the scene are removed
   float opacity_reset_share = 1;
   int num_downscales = 0;
   float last_rate_share = 1;

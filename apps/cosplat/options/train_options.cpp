@@ -47,9 +47,12 @@ TrainSettings TrainOptions::SettingsBy(const PresetRules& rules, float extent) c
                                            : std::numeric_limits<float>::infinity();
   s.density.max_count = max_gaussians;
   s.density.shares_opacity = rules.shares_opacity;
+  s.density.cuts_long_axis = iterations <= rules.long_axis_max_steps && !antialiasing;
   float& threshold = s.density.gradient_threshold;
   if (antialiasing) threshold = rules.antialiased_grad_threshold.value_or(threshold);
-  if (renderings)
+  if (renderings && s.density.cuts_long_axis)
+    threshold = rules.long_axis_renderings_grad_threshold;
+  else if (renderings)
     threshold = std::min(threshold, rules.renderings_grad_threshold.value_or(threshold));
   threshold = densify_grad_threshold.value_or(threshold);
   if (finds_budget && prune_to)

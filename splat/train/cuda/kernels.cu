@@ -72,7 +72,14 @@ void ProvideTrainKernels() {
           AddUpNeedles,
           NeedlesBackward>();
   Provide<SumBlocks<ShownMasks>, SumBlocks<View<const double>>, AddUpShown>();
-  Provide<FindKinds, StrengthKey, LetStay, ShareOpacity, FlagKinds, PlaceSources, DrawChild>();
+  Provide<FindKinds,
+          StrengthKey,
+          LetStay,
+          ShareOpacity,
+          FlagKinds,
+          PlaceSources,
+          DrawChild,
+          CutChild>();
   Provide<MarkUnwanted, FlagKept, PlaceKept, LowerTo, AddOffsets, FillNumbers>();
   Provide<FindBoxes, JoinBoxes, LowKeys, HighKeys>();
   Provide<GatherRow<float>, GatherRow<uint8_t>, GatherRow<int32_t>>();

@@ -126,7 +126,7 @@ size_t DensityControl::Select(const DensitySettings& settings, const Population&
                     population.statistics.visible.view(),
                     population.gaussians.values[kScaleLog].view(),
                     settings.gradient_threshold,
-                    settings.split_scale,
+                    settings.cuts_long_axis ? -1.0f : settings.split_scale,
                     mean_.view(),
                     kind_.view(),
                     kept_.view()});
@@ -147,7 +147,7 @@ void DensityControl::KeepStrongest(size_t room, Stream& stream) {
     ForEach(n - room, stream, LetStay{std::as_const(order_.values).view(), room, kind_.view()});
 }
 
-DensityReport DensityControl::AddChildren(const Population& population, Rng& rng) {
+DensityReport DensityControl::AddChildren(bool cuts, const Population& population, Rng& rng) {
   Stream& stream = population.stream;
   const size_t n = population.gaussians.size();
   for (Buffer<uint64_t>* flags : {&kept_, &cloned_, &split_}) flags->Refill(n + 1, stream);
@@ -171,17 +171,28 @@ DensityReport DensityControl::AddChildren(const Population& population, Rng& rng
   population.Gather({std::as_const(source_).view(), kept});
   auto& values = population.gaussians.values;
   offsets_.Refill(3 * children, stream);
-  ForEach(children,
-          stream,
-          DrawChild{first_child,
-                    rng,
-                    std::log(math::kSplitShrink),
-                    std::as_const(values[kRotation]).view(),
-                    offsets_.view(),
-                    values[kScaleLog].view()});
+  const View<const float> rotation = std::as_const(values[kRotation]).view();
+  if (cuts) {
+    ForEach(children,
+            stream,
+            CutChild{first_child,
+                     rotation,
+                     offsets_.view(),
+                     values[kScaleLog].view(),
+                     values[kOpacityLogit].view()});
+  } else {
+    ForEach(children,
+            stream,
+            DrawChild{first_child,
+                      rng,
+                      std::log(math::kSplitShrink),
+                      rotation,
+                      offsets_.view(),
+                      values[kScaleLog].view()});
+    rng = rng.After(children * math::kSplitDraws);
+  }
   population.placement.Move(
       std::as_const(offsets_).view(), first_child, population.gaussians, stream);
-  rng = rng.After(children * math::kSplitDraws);
   return report;
 }
 
@@ -199,7 +210,7 @@ DensityReport DensityControl::Control(const DensitySettings& settings,
             stream,
             ShareOpacity{std::as_const(kind_).view(),
                          population.gaussians.values[kOpacityLogit].view()});
-  DensityReport report = AddChildren(population, rng);
+  DensityReport report = AddChildren(settings.cuts_long_axis, population, rng);
   report.held_back = held_back;
   unwanted_.Refill(population.gaussians.size(), stream);
   ForEach(population.gaussians.size(),

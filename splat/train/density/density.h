@@ -30,6 +30,8 @@ struct DensitySettings {
   float max_scale = 0;  // larger Gaussians are removed once size pruning is on; scene units
   // A clone and its original share the opacity (math::SharedOpacityLogit); in 3DGS both keep it.
   bool shares_opacity = false;
+  // All are cut in two across their longest axis (math::CutInHalf), none is cloned.
+  bool cuts_long_axis = false;
   size_t max_count = 2000000;  // densification stops there; the strongest gradients come first
 };
 
@@ -101,7 +103,7 @@ class DensityControl {
  private:
   size_t Select(const DensitySettings& settings, const Population& population);
   void KeepStrongest(size_t room, Stream& stream);
-  DensityReport AddChildren(const Population& population, Rng& rng);
+  DensityReport AddChildren(bool cuts, const Population& population, Rng& rng);
   size_t RemoveMarked(View<const uint8_t> unwanted, const Population& population);
   // Turns flags ([n + 1], the last 0) into output positions; returns the number of set flags.
   size_t PlacesOf(Buffer<uint64_t>& flags, Stream& stream);

@@ -105,6 +105,22 @@ struct DrawChild {
   }
 };
 
+// Two children of each that is split, one after the other.
+struct CutChild {
+  size_t first;
+  View<const float> rotation;
+  View<float> offsets, scale_log, opacity_logit;
+  COSPLAT_HD void operator()(size_t c) const {
+    const size_t i = first + c;
+    const math::Vec3<float> offset =
+        math::HalfOffset(&rotation[4 * i], &scale_log[3 * i], c % 2 == 0 ? 1.0f : -1.0f);
+    offsets[3 * c] = offset.x;
+    offsets[3 * c + 1] = offset.y;
+    offsets[3 * c + 2] = offset.z;
+    math::CutInHalf(&scale_log[3 * i], opacity_logit[i]);
+  }
+};
+
 struct MarkUnwanted {
   math::RemovalRule rule;
   WorldGaussians gaussians;
