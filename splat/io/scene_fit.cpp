@@ -231,7 +231,10 @@ std::vector<LookedAt> LookAt(const std::vector<const SceneView*>& views,
   tbb::parallel_for(size_t(0), looked.size(), [&](size_t i) {
     LookedAt& one = looked[i];
     Image8 whole;
-    problems[i] = Problem([&] { whole = LoadViewImage(*one.view); });
+    problems[i] = Problem([&] {
+      whole = LoadViewImage(*one.view);
+      LoadIgnored(*one.view);  // training needs both
+    });
     if (!problems[i].empty()) return;
     one.glance = GlanceOf(whole);
     one.image = ReducedTo(whole, kSide);

@@ -53,6 +53,19 @@ TEST(CheckCommand, NamesImagesThatAreLeftOut) {
   EXPECT_NE(trained.out.find("2 frames skipped:"), std::string::npos) << trained.out;
 }
 
+TEST(CheckCommand, NamesMasksThatCannotBeRead) {
+  const Scenes scenes;
+  const TemporaryFolder& folder = scenes.good.folder;
+  std::filesystem::create_directories(folder / "masks/images");
+  WriteImage(folder / "masks/images/0.png", Image8(NerfScene::kWidth, NerfScene::kHeight, 1, 255));
+  std::filesystem::resize_file(folder / "masks/images/0.png", 60);
+  scenes.good.Load();
+  const CommandResult checked = Cosplat({"check", folder.path()});
+  EXPECT_EQ(checked.code, 0) << checked.out << checked.err;
+  EXPECT_NE(checked.out.find("masks/images/0.png: is truncated after 60 bytes"), std::string::npos)
+      << checked.out;
+}
+
 TEST(CheckCommand, RefusesAsTrainingWhatCannotBeRead) {
   const NerfScene scene{9};
   scene.Load();

@@ -30,7 +30,7 @@ COSPLAT_HD Vec3<float> SplitOffset(const float* rotation, const float* scale_log
 }
 constexpr uint64_t kSplitDraws = 6;  // random numbers that SplitOffset takes
 
-// Long-axis split (Deng et al. 2025, section 3.1): a Gaussian is cut in two across its longest
+// Long-axis split (Deng et al. 2025, arXiv:2508.12313): a Gaussian is cut in two across its longest
 // axis. The halves are kCutOffset standard deviations from its centre, to both sides, and have
 // these shares of its length, its other axes and its opacity.
 constexpr float kCutOffset = 1.5f, kCutLength = 0.5f, kCutWidth = 0.85f, kCutOpacity = 0.6f;
