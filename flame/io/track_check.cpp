@@ -131,13 +131,8 @@ std::vector<SeenFrame> LookAt(const FlameModel& flame,
     for (size_t k = 0; k < all.size(); ++k) load(k);
   else
     tbb::parallel_for(size_t(0), all.size(), load);
-  std::vector<SeenFrame> usable;
-  for (size_t k = 0; k < all.size(); ++k)
-    if (problems[k].empty())
-      usable.push_back(std::move(all[k]));
-    else
-      skipped.push_back({all[k].frame->name, problems[k]});
-  return usable;
+  const auto name_of = [](const SeenFrame& seen) { return seen.frame->name; };
+  return KeepUsable(std::move(all), problems, name_of, skipped);
 }
 
 // How many frames a condition holds for, and the first of them.

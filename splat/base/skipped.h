@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "splat/base/error.h"
@@ -26,6 +27,22 @@ std::string Problem(const F& load) {
     return e.what();
   }
   return "";
+}
+
+// Those of `all` that have no problem; the others go to `skipped`, under the name that
+// name_of(T) gives.
+template <class T, class F>
+std::vector<T> KeepUsable(std::vector<T> all,
+                          const std::vector<std::string>& problems,
+                          const F& name_of,
+                          std::vector<SkippedFrame>& skipped) {
+  std::vector<T> usable;
+  for (size_t i = 0; i < all.size(); ++i)
+    if (problems[i].empty())
+      usable.push_back(std::move(all[i]));
+    else
+      skipped.push_back({name_of(all[i]), problems[i]});
+  return usable;
 }
 
 // Throws Error(source, ...) if no frame is usable or more than a third of all frames were skipped;

@@ -240,13 +240,8 @@ std::vector<LookedAt> LookAt(const std::vector<const SceneView*>& views,
     one.image = ReducedTo(whole, kSide);
     one.camera = one.view->camera.Resized(one.image.width, one.image.height);
   });
-  std::vector<LookedAt> usable;
-  for (size_t i = 0; i < looked.size(); ++i)
-    if (problems[i].empty())
-      usable.push_back(std::move(looked[i]));
-    else
-      skipped.push_back({looked[i].view->name, problems[i]});
-  return usable;
+  const auto name_of = [](const LookedAt& one) { return one.view->name; };
+  return KeepUsable(std::move(looked), problems, name_of, skipped);
 }
 
 void CheckFit(const SceneData& scene,
