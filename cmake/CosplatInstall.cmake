@@ -34,7 +34,6 @@ set(COSPLAT_PRIVATE_HEADERS
   flame/fit/field_cost.h
   flame/fit/frame_field.h
   flame/fit/frame_priors.h
-  flame/fit/hair_offset.h
   flame/fit/landmark_cost.h
   flame/fit/robust.h
   flame/fit/silhouette.h

@@ -23,7 +23,7 @@
 #include "splat/io/cameras_json.h"
 #include "splat/io/ply.h"
 #include "splat/io/scene_check.h"
-#include "splat/train/ranks/join_ranks.h"
+#include "splat/train/ranks/ranks.h"
 #include "splat/train/subject/scene_subject.h"
 #include "splat/train/trainer.h"
 

@@ -5,6 +5,8 @@
 #include <array>
 #include <cstddef>
 
+#include "avatar/model/blendshape_map.h"
+
 namespace cosplat {
 
 enum Viseme {
@@ -28,5 +30,10 @@ enum Viseme {
 
 // How much of each there is at a moment; the sum is 1. Neighbours in time overlap.
 using VisemeWeights = std::array<float, size_t(kVisemes)>;
+
+// Scores of lips and jaw by ARKit's names, the weighted sums of the visemes' own. Lips that are
+// heard to shut (kPP) do shut, whatever else is in the weights. effort: of a usual voice 1; it
+// scales how far the jaw opens.
+BlendshapeScores ScoresOfVisemes(const VisemeWeights& weights, float effort);
 
 }  // namespace cosplat

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "avatar/math/one_euro.h"
-#include "avatar/voice/viseme_scores.h"
+#include "avatar/voice/visemes.h"
 #include "splat/base/error.h"
 
 namespace cosplat {

@@ -13,7 +13,6 @@
 #include "flame/fit/face_box.h"
 #include "flame/fit/face_texture.h"
 #include "flame/fit/frame_priors.h"
-#include "flame/fit/hair_offset.h"
 #include "flame/fit/landmark_cost.h"
 #include "flame/fit/silhouette.h"
 #include "splat/base/error.h"

@@ -1,5 +1,3 @@
-#include "flame/fit/hair_offset.h"
-
 #include <tbb/parallel_for.h>
 
 #include <Eigen/Geometry>

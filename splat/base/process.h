@@ -16,6 +16,9 @@ std::string FindProgram(const std::string& name);
 // The file of the program that this is.
 std::string ThisProgram();
 
+// Thrown where the page that a module runs in has to do something first (process_web.cpp).
+struct PageIsAsked {};
+
 // A program that runs beside this one. It does not outlive this process: it gets
 // Ctrl-C as well, and SIGTERM if this process ends.
 class ChildProcess {

@@ -6,7 +6,6 @@
 
 #include "splat/base/error.h"
 #include "splat/base/json.h"
-#include "splat/base/page_is_asked.h"
 #include "splat/base/process.h"
 
 EM_JS(int, cosplat_page_program, (const char* json), {

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "flame/fit/hair_offset.h"
 #include "splat/media/image_io.h"
 #include "tests/flame/filmed_head.h"
 

@@ -1,9 +1,8 @@
-#include "splat/train/ranks/join_ranks.h"
-
 #include <cstdlib>
 #include <string>
 
 #include "splat/base/error.h"
+#include "splat/train/ranks/ranks.h"
 
 namespace cosplat {
 

@@ -43,6 +43,11 @@ class Ranks {
 
 // A process that trains alone.
 std::shared_ptr<Ranks> OneRank();
+// The ranks that mpirun started this process among, or OneRank() where it did not. Once per
+// process. Throws Error if there are several and the program was built without MPI.
+std::shared_ptr<Ranks> JoinRanks();
+// The same where it did, with MPI (Open MPI). Throws Error if that cannot be used.
+std::shared_ptr<Ranks> JoinMpi();
 
 // What each rank sends to all others; this rank's own entry is empty.
 std::vector<Message> ExchangeWithAll(View<const uint32_t> message, Ranks& ranks);

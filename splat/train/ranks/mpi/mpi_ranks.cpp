@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "splat/base/error.h"
-#include "splat/train/ranks/join_ranks.h"
+#include "splat/train/ranks/ranks.h"
 
 namespace cosplat {
 namespace {

@@ -1,4 +1,4 @@
-#include "avatar/voice/viseme_scores.h"
+#include "avatar/voice/visemes.h"
 
 #include <algorithm>
 #include <array>
