@@ -1,4 +1,3 @@
-#include <tuple>
 #include <vector>
 
 #include "flame/mouth.h"
@@ -34,20 +33,13 @@ std::vector<Head> HeadsOf(const FlameModel& flame, TrackedVideo& video) {
   return heads;
 }
 
-bool Same(const Camera& a, const Camera& b) {
-  const auto numbers = [](const Camera& c) {
-    return std::tie(c.width, c.height, c.fx, c.fy, c.cx, c.cy, c.rotation, c.translation);
-  };
-  return numbers(a) == numbers(b);
-}
-
 }  // namespace
 
 bool HasOneStillCamera(const TrackedVideo& video) {
   if (video.head_is_fixed || video.train.empty()) return false;
   for (const auto* set : {&video.train, &video.test})
     for (const TrackedFrame& frame : *set)
-      if (!Same(frame.camera, video.train[0].camera)) return false;
+      if (frame.camera != video.train[0].camera) return false;
   return true;
 }
 

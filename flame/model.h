@@ -91,6 +91,8 @@ struct FlameParams {
   // the expression by EyelidsToExpression (flame/track.h).
   std::array<float, 2> eyelids{};
   std::vector<float> static_offset;  // [V, 3] metres, added to the template; or empty
+
+  bool operator==(const FlameParams&) const = default;
 };
 
 // Throws Error (naming model.name and the array) unless every array has its size, every index is in

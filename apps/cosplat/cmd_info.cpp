@@ -14,6 +14,7 @@
 #include "flame/model.h"
 #include "flame/track.h"
 #include "splat/base/error.h"
+#include "splat/base/median.h"
 #include "splat/base/npz.h"
 #include "splat/base/text.h"
 #include "splat/io/dataset.h"
@@ -87,10 +88,6 @@ void SplatInfo(const std::string& path, SplatLayout layout) {
       high[k] = std::max(high[k], g.at(kPosition, i)[k]);
     }
   }
-  const auto median = [](std::vector<float>& v) {
-    std::nth_element(v.begin(), v.begin() + v.size() / 2, v.end());
-    return v[v.size() / 2];
-  };
   std::printf("box: (%.3g, %.3g, %.3g) to (%.3g, %.3g, %.3g)\n",
               low[0],
               low[1],
@@ -99,8 +96,8 @@ void SplatInfo(const std::string& path, SplatLayout layout) {
               high[1],
               high[2]);
   std::printf("median opacity %.3f, median largest standard deviation %.3g\n",
-              median(opacity),
-              median(scale));
+              Median(opacity),
+              Median(scale));
 }
 
 void FlameInfo(const std::string& path) {

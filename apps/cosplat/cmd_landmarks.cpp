@@ -69,7 +69,7 @@ void WriteMattes(const LandmarkRunOptions& o,
                  const std::optional<OwnMattes>& own,
                  const FaceDetector& detector,
                  const std::vector<size_t>& found_as,
-                 const std::vector<std::vector<LandmarkBox>>& others,
+                 const std::vector<std::vector<FaceBox>>& others,
                  LandmarkVideo& video) {
   const std::string to = MatteFolder(o.out);
   MakeDirectories(to);
@@ -96,10 +96,8 @@ void WriteMattes(const LandmarkRunOptions& o,
       [&](int i) { return detector.Added(found_as[size_t(i)]); },
       [&](int i) {
         Image8 matte = detector.Matte(found_as[size_t(i)]);
-        std::vector<FaceBox> theirs;
-        for (const LandmarkBox& box : others[found_as[size_t(i)]]) theirs.push_back(FaceBoxOf(box));
         if (const auto face = FaceBoxOf(video.frames[size_t(i)]))
-          LeaveToOthers(*face, theirs, matte);
+          LeaveToOthers(*face, others[found_as[size_t(i)]], matte);
         return matte;
       });
   constexpr size_t kAtOnce = 16;
@@ -142,8 +140,8 @@ void DetectLandmarks(const LandmarkRunOptions& o, FrameSource& frames) {
   FaceDetector detector(frames.width(), frames.height(), o.quiet);
   ProgressBar decoding("decode", count, o.quiet);
   ForFrames(
+      frames,
       chosen,
-      [&](int f) { return frames.Read(f); },
       [&](size_t i, const Image8& image) { detector.Add(i, image); },
       [&](int done) { decoding.Update(done, "frames"); });
   ProgressBar looking("landmarks", count, o.quiet, OffTerminal::kLines);

@@ -94,8 +94,9 @@ void Play(const PlayOptions& o) {
   if (o.still_bust && content.avatar) HoldBustStill(content.avatar->model);
   FindLevels(o, device, content);
   Session session(content);
-  if (content.avatar) session.open_drive = DriverOf(*content.avatar, o.fps, o.verbose);
-  if (!o.drive.empty()) DriveSession(session, content, o.drive, o.fps, o.verbose);
+  const auto driver = DriverOf(content, o.fps, o.verbose);
+  if (content.avatar) session.open_drive = driver;
+  if (!o.drive.empty()) driver(session, o.drive);
   SetLook(o, session);
   const PictureSize size =
       o.size.empty() ? PictureSize{content.start.camera.width, content.start.camera.height}

@@ -23,9 +23,7 @@
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/test_images.h"
 #include "apps/cosplat/run/voice_drive.h"
-#include "avatar/io/avatar_file.h"
 #include "avatar/live/soft_range.h"
-#include "avatar/model/avatar_mesh.h"
 #include "avatar/model/bust.h"
 #include "avatar/play/avatar_renderer.h"
 #include "avatar/play/playback.h"
@@ -281,10 +279,7 @@ void RenderFrames(const RenderOptions& o,
 void RenderAvatar(const RenderOptions& o, const JsonField& run) {
   if (!o.splats.empty()) throw Error(o.model, "--splats", "is for scenes; this is an avatar");
   const Device device = UsableDevice(o.device);
-  const std::string path = o.model + "/avatar.glb";
-  AvatarModel model = ReadAvatarGlb(path);
-  const FlameModel flame = LoadFlameOfRun(model, path, &run, o.flame);
-  AttachMesh(model, flame);
+  auto [model, flame] = LoadPosable(o.model + "/avatar.glb", &run, o.flame);
   if (o.still_bust) HoldBustStill(model);
   AvatarTestImages renderer(std::move(model), flame, {o.preview, AvatarRendererOn(device)});
   if (o.orbit) {

@@ -68,15 +68,12 @@ int TestFramesAtEnd(const TrackedVideo& video) {
 }
 
 // Writes image and mask; returns the mask's extent.
-std::array<float, 4> WriteFrame(const TrackRunOptions& o, const std::string& name, Image8 image) {
-  const bool masked = image.channels == 4;
-  Image8 color(image.width, image.height, 3), mask(image.width, image.height, 1);
-  for (size_t i = 0; i < image.pixels(); ++i) {
-    std::copy_n(&image.data[i * size_t(image.channels)], 3, &color.data[3 * i]);
-    if (masked) mask.data[i] = image.data[4 * i + 3];
-  }
-  WriteImage(o.out + "/image/" + name + ".png", color);
-  if (!masked) return {-1, -1, 1, 1};
+std::array<float, 4> WriteFrame(const TrackRunOptions& o,
+                                const std::string& name,
+                                const Image8& image) {
+  WriteImage(o.out + "/image/" + name + ".png", RgbOf(image));
+  if (image.channels != 4) return {-1, -1, 1, 1};
+  const Image8 mask = ChannelOf(image, 3);
   MakeDirectories(o.out + "/mask");
   WriteImage(o.out + "/mask/" + name + ".png", mask);
   return ImavatarBox(mask);
@@ -89,16 +86,16 @@ void WriteRefined(const TrackRunOptions& o,
                   TrackedVideo& video) {
   MakeDirectories(o.out + "/image");
   fs::remove(o.out + "/flame_params.json");  // so that a half is not taken for the whole
-  ImavatarTrack track = ImavatarTrackOf(model);
+  TrackedVideo track = TrackOf(model);
   track.shape = video.shape;
   track.static_offset = video.static_offset;
-  track.test_frames = TestFramesAtEnd(video);
+  std::vector<std::array<float, 4>> boxes;
   const std::vector<TrackedFrame*> frames = FramesInOrder(video);
   ProgressBar bar("write", int(frames.size()), o.quiet);
   for (TrackedFrame* frame : frames) {
-    track.boxes.push_back(WriteFrame(o, frame->name, LoadTrackedImage(video, *frame)));
-    track.frames.push_back(*frame);
-    bar.Update(int(track.frames.size()), "frames");
+    boxes.push_back(WriteFrame(o, frame->name, LoadTrackedImage(video, *frame)));
+    track.train.push_back(*frame);
+    bar.Update(int(track.train.size()), "frames");
   }
   const Json figures = {{"source", o.source},
                         {"flame", o.flame},
@@ -106,7 +103,7 @@ void WriteRefined(const TrackRunOptions& o,
                         {"brightness_spread", spread},
                         {"held_out_psnr", held_out_psnr}};
   WriteFileAtomically(o.out + "/track.json", figures.dump(1) + "\n");
-  WriteImavatarTrack(o.out, track);
+  WriteImavatarTrack(o.out, track, boxes, TestFramesAtEnd(video));
 }
 
 // From a tracked video to a more exact track of it on disk, by what its images show:

@@ -112,16 +112,11 @@ void SaveFirstPoints(const AvatarOptions& o, const AvatarModel& first) {
 // unusable image move from the test frames to the skipped ones.
 std::vector<Image8> LoadTestImages(TrackedVideo& video) {
   std::vector<Image8> images;
-  std::vector<TrackedFrame> usable;
-  for (TrackedFrame& frame : video.test) {
-    const std::string problem = Problem([&] { images.push_back(LoadTrackedImage(video, frame)); });
-    if (problem.empty()) {
-      usable.push_back(std::move(frame));
-    } else {
-      video.skipped.push_back({frame.name, problem});
-    }
-  }
-  video.test = std::move(usable);
+  std::vector<std::string> problems;
+  for (const TrackedFrame& frame : video.test)
+    problems.push_back(Problem([&] { images.push_back(LoadTrackedImage(video, frame)); }));
+  const auto name_of = [](const TrackedFrame& frame) { return frame.name; };
+  video.test = KeepUsable(std::move(video.test), problems, name_of, video.skipped);
   return images;
 }
 

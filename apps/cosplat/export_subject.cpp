@@ -1,6 +1,6 @@
 #include "apps/cosplat/export_subject.h"
 
-#include <cstdlib>
+#include <algorithm>
 #include <filesystem>
 
 #include "apps/cosplat/run/notes.h"
@@ -8,8 +8,6 @@
 #include "apps/cosplat/run/run_folder.h"
 #include "avatar/io/avatar_file.h"
 #include "avatar/io/gaussian_avatars.h"
-#include "avatar/model/avatar_mesh.h"
-#include "flame/model.h"
 #include "flame/track.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
@@ -29,16 +27,11 @@ std::vector<Camera> TrainingCameras(const SceneData& data) {
 }
 
 ExportSubject LoadImported(const ExportSource& source) {
-  if (source.flame.empty())
-    throw Error(source.splats, "--flame", "is needed: the FLAME model that it was trained with");
-  FlameModel flame = LoadFlameModel(source.flame);
-  AvatarModel model = ReadGaussianAvatar(source.splats, flame, source.data);
-  flame = FlameOf(model, std::move(flame));
   ExportSubject subject;
   subject.path = source.splats;
-  subject.gaussians = RestPose(model);
+  subject.imported = LoadGaussianAvatar(source.splats, source.flame, source.data);
+  subject.gaussians = RestPose(subject.imported->model);
   subject.is_avatar = true;
-  subject.imported = {std::move(model), std::move(flame)};
   return subject;
 }
 
@@ -64,12 +57,6 @@ ExportSubject LoadRun(const ExportSource& source) {
   return subject;
 }
 
-int IterationOf(const std::string& splats) {
-  const std::string folder = fs::absolute(splats).parent_path().filename().string();
-  const std::string prefix = "iteration_";
-  return folder.starts_with(prefix) ? std::atoi(folder.c_str() + prefix.size()) : 0;
-}
-
 // Writes what `render`, `metrics` and `play` read besides avatar.glb: run.json, cameras.json and
 // the splats at rest, as of the iteration in the splats' path (iteration_N), else 0. The frames
 // held out are those of the data set's own split. Throws Error as LoadDrivingSequence does.
@@ -77,7 +64,8 @@ void WriteImportedRun(const std::string& folder,
                       const ExportSource& source,
                       const AvatarModel& avatar) {
   const TrackedVideo video = LoadDrivingSequence(source.data);
-  const int iteration = IterationOf(source.splats);
+  const int iteration =
+      std::max(0, IterationIn(fs::absolute(source.splats).parent_path().filename().string()));
   DataSplit split;
   split.eval = true;
   const Json run{{"kind", "avatar"},

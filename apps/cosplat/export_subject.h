@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "avatar/model/avatar_model.h"
-#include "flame/model.h"
+#include "apps/cosplat/run/head_model.h"
 #include "splat/io/dataset.h"
 
 namespace cosplat {
@@ -28,11 +27,7 @@ struct ExportSubject {
   SceneData data;                        // without views unless asked for
   std::array<float, 3> background = {};  // of the run
   bool is_avatar = false;
-  struct Imported {
-    AvatarModel model;
-    FlameModel flame;  // the avatar's
-  };
-  std::optional<Imported> imported;  // avatars that were trained with GaussianAvatars
+  std::optional<PosableAvatar> imported;  // avatars that were trained with GaussianAvatars
 };
 
 // Throws Error if something is missing, or if `measure` is set and there is no scene with test

@@ -14,7 +14,6 @@
 #include "avatar/io/avatar_file.h"
 #include "avatar/io/gaussian_avatars.h"
 #include "avatar/model/avatar_mesh.h"
-#include "flame/model.h"
 #include "splat/base/error.h"
 #include "splat/base/process.h"
 #include "splat/io/cameras_json.h"
@@ -47,34 +46,16 @@ StartView AsFilmed(const Content::Avatar& avatar, const JsonField& run) {
   return {camera, front.center, {-r[3], -r[4], -r[5]}};
 }
 
-// At rest before the camera. `avatar` has all but its rest.
-Content ContentOf(Content::Avatar loaded, const JsonField* run) {
+// At rest before the camera. run: the run whose folder contains the avatar, or null.
+Content ContentOf(PosableAvatar loaded, const JsonField* run) {
   Content content;
-  Content::Avatar& avatar = content.avatar.emplace(std::move(loaded));
+  Content::Avatar& avatar =
+      content.avatar.emplace(Content::Avatar{std::move(loaded.model), std::move(loaded.flame), {}});
   content.background = avatar.model.background;
   avatar.rest = run ? ReferenceRoot(*run) : RestRoot(avatar.model, avatar.flame);
   content.start =
       run ? AsFilmed(avatar, *run) : viewer::BeforeHead(HeadVertices(avatar), avatar.rest.pose[0]);
   return content;
-}
-
-// run: the run whose folder contains the avatar, or null.
-Content LoadAvatar(const std::string& glb, const JsonField* run, const std::string& flame) {
-  Content::Avatar avatar;
-  avatar.model = ReadAvatarGlb(glb);
-  avatar.flame = LoadFlameOfRun(avatar.model, glb, run, flame);
-  AttachMesh(avatar.model, avatar.flame);
-  return ContentOf(std::move(avatar), run);
-}
-
-Content LoadGaussianAvatar(const std::string& path, const std::string& flame) {
-  if (flame.empty())
-    throw Error(path, "--flame", "is needed: the FLAME model that it was trained with");
-  Content::Avatar avatar;
-  avatar.flame = LoadFlameModel(flame);
-  avatar.model = ReadGaussianAvatar(path, avatar.flame);
-  avatar.flame = FlameOf(avatar.model, std::move(avatar.flame));
-  return ContentOf(std::move(avatar), nullptr);
 }
 
 Content LoadSplatsOf(const std::string& path) {
@@ -103,7 +84,8 @@ Content LoadRunScene(const std::string& folder, const JsonField& run) {
 Content LoadRunContent(const std::string& folder, const std::string& flame) {
   const JsonField run = ReadRun(folder);
   RequireSplats(run);
-  if (run["kind"].String() == "avatar") return LoadAvatar(folder + "/avatar.glb", &run, flame);
+  if (run["kind"].String() == "avatar")
+    return ContentOf(LoadPosable(folder + "/avatar.glb", &run, flame), &run);
   return LoadRunScene(folder, run);
 }
 
@@ -120,12 +102,13 @@ Content LoadFile(const std::string& path, const std::string& flame) {
   }
   const SplatLayout layout = SplatLayoutOf(path);
   if (layout == SplatLayout::kPly && IsGaussianAvatarPly(path))
-    return LoadGaussianAvatar(path, flame);
+    return ContentOf(LoadGaussianAvatar(path, flame), nullptr);
   if (layout != SplatLayout::kGlb || !SummarizeGlb(path).avatar) return LoadSplatsOf(path);
   const std::string folder = fs::absolute(path).parent_path().string();
-  if (!fs::exists(folder + "/run.json")) return LoadAvatar(path, nullptr, flame);
+  if (!fs::exists(folder + "/run.json"))
+    return ContentOf(LoadPosable(path, nullptr, flame), nullptr);
   const JsonField run = ReadRun(folder);
-  return LoadAvatar(path, &run, flame);
+  return ContentOf(LoadPosable(path, &run, flame), &run);
 }
 
 }  // namespace
@@ -140,56 +123,39 @@ Content LoadContent(const std::string& model, const std::string& flame) {
   return content;
 }
 
-namespace {
-
-// What a drive needs of an avatar.
-struct DrivenHead {
-  FlameParams rest;
-  FlameModel flame;
-  std::optional<BlendshapeMap> blendshapes;
-  std::optional<TrainedRange> trained;
-};
-
-void DriveHead(
-    Session& session, const DrivenHead& head, const std::string& drive, double fps, bool verbose) {
-  LiveSourceOptions options;
-  options.rest = head.rest;
-  options.flame = &head.flame;
-  if (head.blendshapes) options.blendshapes = &*head.blendshapes;
-  options.frames_per_second = fps;
-  options.program = ThisProgram();
-  if (IsLiveDrive(drive)) {
-    FlameParams rest = head.rest;
-    rest.expression.assign(size_t(head.flame.expression_count), 0);
-    std::unique_ptr<LiveSource> source = OpenLiveSource(drive, options);
-    if (verbose) source = std::make_unique<VerboseSource>(std::move(source));
-    session.SetLive(
-        std::make_unique<viewer::LiveFace>(std::move(source), std::move(rest), head.trained));
-  } else {
-    if (verbose) throw Error("--verbose", "is for live drives; '" + drive + "' is a recording");
-    const Recording recording = LoadDrive(drive, options);
-    if (!recording.note.empty()) PrintNotes({drive + ": " + recording.note});
-    session.SetSequence(
-        fs::path(drive).filename().string(), FacesOf(recording), recording.frames_per_second);
-  }
-  session.drive = drive;
-}
-
-}  // namespace
-
-std::function<void(Session& session, const std::string& drive)> DriverOf(
-    const Content::Avatar& avatar, double fps, bool verbose) {
-  const auto head = std::make_shared<DrivenHead>(
-      DrivenHead{avatar.rest, avatar.flame, avatar.model.blendshapes, avatar.model.trained_range});
+std::function<void(Session& session, const std::string& drive)> DriverOf(const Content& content,
+                                                                         double fps,
+                                                                         bool verbose) {
+  if (!content.avatar)
+    return [title = content.title](Session&, const std::string&) {
+      throw Error(title, "--drive", "is for avatars; this is a scene");
+    };
+  const auto flame = std::make_shared<const FlameModel>(content.avatar->flame);
+  const FlameParams rest = content.avatar->rest;
+  const auto blendshapes = content.avatar->model.blendshapes;
+  const auto trained = content.avatar->model.trained_range;
   return [=](Session& session, const std::string& drive) {
-    DriveHead(session, *head, drive, fps, verbose);
+    LiveSourceOptions options;
+    options.rest = rest;
+    options.flame = flame.get();
+    if (blendshapes) options.blendshapes = &*blendshapes;
+    options.frames_per_second = fps;
+    options.program = ThisProgram();
+    if (IsLiveDrive(drive)) {
+      FlameParams neutral = rest;
+      neutral.expression.assign(size_t(flame->expression_count), 0);
+      std::unique_ptr<LiveSource> source = OpenLiveSource(drive, options);
+      if (verbose) source = std::make_unique<VerboseSource>(std::move(source));
+      session.SetLive(
+          std::make_unique<viewer::LiveFace>(std::move(source), std::move(neutral), trained));
+    } else {
+      if (verbose) throw Error("--verbose", "is for live drives; '" + drive + "' is a recording");
+      const Recording recording = LoadDrive(drive, options);
+      if (!recording.note.empty()) PrintNotes({drive + ": " + recording.note});
+      session.SetSequence(FacesOf(recording), recording.frames_per_second);
+    }
+    session.drive = drive;
   };
-}
-
-void DriveSession(
-    Session& session, const Content& content, const std::string& drive, double fps, bool verbose) {
-  if (!content.avatar) throw Error(content.title, "--drive", "is for avatars; this is a scene");
-  DriverOf(*content.avatar, fps, verbose)(session, drive);
 }
 
 PictureSize ParsePictureSize(const std::string& text) {

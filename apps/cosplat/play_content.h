@@ -14,17 +14,11 @@ namespace cosplat {
 // Throws Error.
 viewer::Content LoadContent(const std::string& model, const std::string& flame);
 
-// Makes a drive (avatar/live/source.h) move the content; a recording can be scrubbed. fps: frame
-// rate of a recording; 0: its own. verbose: of a live drive, says on standard error what arrives.
-// Throws Error.
-void DriveSession(viewer::Session& session,
-                  const viewer::Content& content,
-                  const std::string& drive,
-                  double fps,
-                  bool verbose);
-// The same of an avatar whenever it is asked for, after `content` has gone elsewhere.
+// Makes a drive (avatar/live/source.h) move the content, which may have gone elsewhere by then; a
+// recording can be scrubbed. fps: frame rate of a recording; 0: its own. verbose: of a live drive,
+// says on standard error what arrives. The function throws Error.
 std::function<void(viewer::Session& session, const std::string& drive)> DriverOf(
-    const viewer::Content::Avatar& avatar, double fps, bool verbose);
+    const viewer::Content& content, double fps, bool verbose);
 
 struct PictureSize {
   int width = 0, height = 0;  // px

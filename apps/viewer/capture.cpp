@@ -12,14 +12,6 @@ namespace {
 
 constexpr double kFramesPerSecond = 25;
 
-Image8 Opaque(const Image8& rgba, int width, int height) {
-  Image8 rgb(width, height, 3);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      for (int c = 0; c < 3; ++c) rgb.at(x, y, c) = rgba.at(x, y, c);
-  return rgb;
-}
-
 }  // namespace
 
 std::string CapturePath(const std::string& folder, const std::string& extension) {
@@ -54,7 +46,8 @@ void VideoRecorder::Offer(const Image8& rgba, double seconds) {
   if (due < 1) return;
   WaitForLast();
   frames_ += due;
-  writing_ = std::async(std::launch::async, [this, due, rgb = Opaque(rgba, width_, height_)] {
+  const Crop even{0, 0, width_, height_};
+  writing_ = std::async(std::launch::async, [this, due, rgb = Cropped(RgbOf(rgba), even)] {
     for (int i = 0; i < due; ++i) writer_.Write(rgb);
   });
 }

@@ -34,10 +34,7 @@ Session::Session(const Content& content)
       filmed_(content.avatar ? content.avatar->model.filmed : std::nullopt),
       center_(math::ToVec3(content.start.center)) {}
 
-void Session::SetSequence(const std::string& name,
-                          std::vector<FlameParams> faces,
-                          double frames_per_second) {
-  sequence_name_ = name;
+void Session::SetSequence(std::vector<FlameParams> faces, double frames_per_second) {
   sequence_ = std::move(faces);
   timeline = Timeline(int(sequence_.size()), frames_per_second);
   timeline.Play();

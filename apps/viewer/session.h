@@ -50,9 +50,7 @@ class Session {
 
   // Sets the faces of a recorded sequence (at least one), which drives from now on and plays from
   // its start.
-  void SetSequence(const std::string& name,
-                   std::vector<FlameParams> faces,
-                   double frames_per_second);
+  void SetSequence(std::vector<FlameParams> faces, double frames_per_second);
   // The live face drives from now on. Null: there is none any more, and the sliders do.
   void SetLive(std::unique_ptr<LiveFace> live);
 
@@ -78,7 +76,6 @@ class Session {
   bool has_sequence() const { return !sequence_.empty(); }
   LiveFace* live() const { return live_.get(); }
   const std::string& title() const { return title_; }
-  const std::string& sequence_name() const { return sequence_name_; }
   size_t gaussian_count() const { return gaussian_count_; }
   int max_per_face() const { return max_per_face_; }  // most Gaussians on one triangle
   View view() const { return view_; }
@@ -100,7 +97,7 @@ class Session {
  private:
   void DoToSequence(Action action);
 
-  std::string title_, sequence_name_;
+  std::string title_;
   bool is_avatar_;
   size_t gaussian_count_;
   int max_per_face_ = 0;

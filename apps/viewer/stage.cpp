@@ -14,11 +14,6 @@ namespace {
 
 constexpr std::array<float, 3> kNoBackground{0, 0, 0};
 
-bool SameCamera(const Camera& a, const Camera& b) {
-  return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy &&
-         a.cx == b.cx && a.cy == b.cy && a.rotation == b.rotation && a.translation == b.translation;
-}
-
 const std::array<float, 3>& BackgroundOf(const Shot& shot) {
   return shot.transparent ? kNoBackground : shot.background;
 }
@@ -32,13 +27,6 @@ View ViewFromString(const std::string& text, const std::string& field) {
   const auto found = std::find(kViewNames.begin(), kViewNames.end(), text);
   if (found != kViewNames.end()) return View(found - kViewNames.begin());
   throw Error(field, "is '" + text + "', expected splats, ellipsoids, triangles or wire");
-}
-
-bool SameShot(const Shot& a, const Shot& b) {
-  return a.view == b.view && a.transparent == b.transparent && a.background == b.background &&
-         a.pace == b.pace && SameCamera(a.camera, b.camera) &&
-         a.face.expression == b.face.expression && a.face.pose == b.face.pose &&
-         a.face.translation == b.face.translation;
 }
 
 Stage::Stage(Content content, const SplatRenderers& renderers) : content_(std::move(content)) {

@@ -64,8 +64,9 @@ struct Shot {
   std::array<float, 3> background{1, 1, 1};
   bool transparent = false;  // no background: the image has alpha
   Pace pace = Pace::kExact;  // of a scene with levels, in the view kSplats
+
+  bool operator==(const Shot&) const = default;
 };
-bool SameShot(const Shot& a, const Shot& b);
 
 // Renderers for splats (avatar/play/avatar_renderer.h, splat/render/device.h). If empty, splats are
 // rendered on the CPU, as all other views always are.

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "splat/base/median.h"
+
 namespace cosplat::viewer {
 
 class TimeHistory {
@@ -27,10 +29,7 @@ class TimeHistory {
   // 0 if empty.
   float Median() const {
     std::vector<float> values = Values();
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
+    return cosplat::Median(values);
   }
 
  private:

@@ -179,7 +179,7 @@ void ViewerWindow::Impl::Ask(const ScreenResult& result) {
   RenderJob job{session.ShotFor(width, height), divisor, session.input_ns(), may_stay && !recorder};
   if (recorder) job.shot.transparent = false;
   if (keeps_pace) job.shot.pace = result.dragging ? Pace::kMoving : Pace::kResting;
-  if (SameShot(job.shot, asked.shot)) return;
+  if (job.shot == asked.shot) return;
   asked = job;
   worker.Start(std::move(job));
 }
@@ -282,7 +282,7 @@ const std::string& ViewerWindow::notice() const { return impl_->state.notice; }
 
 bool ViewerWindow::UpToDate() const {
   const Impl& impl = *impl_;
-  return impl.HasImage() && !impl.worker.Busy() && SameShot(impl.picture.job.shot, impl.asked.shot);
+  return impl.HasImage() && !impl.worker.Busy() && impl.picture.job.shot == impl.asked.shot;
 }
 
 Image8 ViewerWindow::ReadPixels() {

@@ -25,12 +25,6 @@ void Check(const MakeHeadOptions& o) {
   if (o.size < 16 || o.size > 8192) refuse("size", o.size, "16 to 8192");
 }
 
-Image8 AlphaOf(const Image8& rgba) {
-  Image8 mask(rgba.width, rgba.height, 1);
-  for (size_t i = 0; i < mask.data.size(); ++i) mask.data[i] = rgba.data[4 * i + 3];
-  return mask;
-}
-
 }  // namespace
 
 void WriteProceduralVideo(const std::string& folder,
@@ -44,12 +38,11 @@ void WriteProceduralVideo(const std::string& folder,
   const FlamePoser<float> poser(head.model, {});
   const auto script = procedural::MakeScript(
       {options.frames, options.test_frames, options.size, options.seed, options.frontal});
-  ImavatarTrack track;
-  track.vertices = head.model.own_vertex_count();
+  TrackedVideo track;
+  track.model_vertices = head.model.own_vertex_count();
   track.shape.assign(size_t(head.model.shape_count), 0);
-  track.test_frames = options.test_frames;
-  track.frames.resize(script.size());
-  track.boxes.resize(script.size());
+  track.train.resize(script.size());
+  std::vector<std::array<float, 4>> boxes(script.size());
   std::mutex mutex;
   int done = 0;
   tbb::parallel_for(size_t(0), script.size(), [&](size_t f) {
@@ -58,21 +51,21 @@ void WriteProceduralVideo(const std::string& folder,
     const Image8 image = RenderProceduralHead(head, vertices, script[f].params, script[f].camera);
     // If another frame could not be written, what is drawn in parallel ends early as well.
     if (tbb::is_current_task_group_canceling()) return;
-    const Image8 mask = AlphaOf(image);
+    const Image8 mask = ChannelOf(image, 3);
     const std::string name = std::to_string(f + 1);
     WriteImage(folder + "/image/" + name + ".png", image);
     WriteImage(folder + "/mask/" + name + ".png", mask);
-    track.frames[f].name = name;
-    track.frames[f].camera = script[f].camera;
-    track.frames[f].params = script[f].params;
-    track.boxes[f] = ImavatarBox(mask);
+    track.train[f].name = name;
+    track.train[f].camera = script[f].camera;
+    track.train[f].params = script[f].params;
+    boxes[f] = ImavatarBox(mask);
     const std::lock_guard lock(mutex);
     ++done;
     if (progress) progress(done, int(script.size()));
   });
   WriteFlameModelNpz(folder + "/model.npz", head.model);
-  WriteMadeLandmarks(folder, head, track.frames, options);
-  WriteImavatarTrack(folder, track);
+  WriteMadeLandmarks(folder, head, track.train, options);
+  WriteImavatarTrack(folder, track, boxes, options.test_frames);
 }
 
 }  // namespace cosplat

@@ -10,6 +10,7 @@
 #include "avatar/surface/binding.h"
 #include "avatar/surface/surface.h"
 #include "splat/base/error.h"
+#include "splat/base/median.h"
 #include "splat/base/text.h"
 #include "splat/io/glb.h"
 #include "splat/io/splat_primitive.h"
@@ -174,10 +175,11 @@ void CheckTopology(const std::string& where, const AvatarModel& model, const Fla
 // linear in the expression.
 GlbMesh AddMesh(GlbDocument& document, const AvatarModel& model, const FlameModel* flame) {
   GlbPrimitive primitive;
-  primitive.attributes["POSITION"] = AddFloats(document, model.mesh.vertices, 3, GlbUse::kPosition);
+  primitive.attributes["POSITION"] =
+      AddValues<float>(document, model.mesh.vertices, 3, GlbUse::kPosition);
   std::vector<uint32_t> indices;
   for (const auto& face : model.mesh.faces) indices.insert(indices.end(), face.begin(), face.end());
-  primitive.indices = AddUnsigned(document, indices, GlbUse::kIndices);
+  primitive.indices = AddValues<uint32_t>(document, indices, 1, GlbUse::kIndices);
   GlbMesh mesh{"canonical mesh", {}, {}};
   const int expressions = flame && !model.canonical_frame ? flame->expression_count : 0;
   for (int e = 0; e < expressions; ++e) {
@@ -189,7 +191,7 @@ GlbMesh AddMesh(GlbDocument& document, const AvatarModel& model, const FlameMode
     for (size_t i = 0; i < size; ++i)
       direction[i] = score * flame->expression_directions[size_t(e) * size + i];
     primitive.targets.push_back(
-        {{"POSITION", AddFloats(document, direction, 3, GlbUse::kPosition)}});
+        {{"POSITION", AddValues<float>(document, direction, 3, GlbUse::kPosition)}});
     mesh.extras["targetNames"].push_back(names.empty() ? "expression_" + std::to_string(e)
                                                        : names[size_t(e)]);
   }
@@ -205,8 +207,7 @@ void CheckUnit(const AvatarModel& model, const FlameModel& flame) {
     const float* s = model.gaussians.at(kScaleLog, i);
     scales.push_back(std::max({s[0], s[1], s[2]}));
   }
-  std::nth_element(scales.begin(), scales.begin() + long(scales.size() / 2), scales.end());
-  const double ratio = std::exp(scales[scales.size() / 2]) / kFlameTemplateSize;
+  const double ratio = std::exp(Median(scales)) / kFlameTemplateSize;
   if (ratio > 0.3 || ratio < 3e-4)
     throw Error("avatar",
                 "unit",
@@ -306,7 +307,7 @@ GlbSummary SummarizeGlb(const std::string& path) {
   const auto position = splats.attributes.find("POSITION");
   if (position == splats.attributes.end())
     throw Error(path, "POSITION", "is missing from the splats");
-  summary.gaussians = ReadFloats(document, position->second, 3, "POSITION").size() / 3;
+  summary.gaussians = ReadValues<float>(document, position->second, 3, "POSITION").size() / 3;
   while (summary.degree < kMaxSplatFileDegree &&
          splats.attributes.contains(SplatCoefficientName(CoefficientCount(summary.degree))))
     ++summary.degree;
@@ -319,33 +320,37 @@ std::string ToString(const GlbSummary& summary) {
   std::string text = std::to_string(summary.gaussians) + " Gaussians, SH of degree " +
                      std::to_string(summary.degree) + " for every reader\n";
   if (summary.avatar) {
-    const GlbSummary::Avatar& a = *summary.avatar;
-    text += "avatar (binding version " + std::to_string(a.version) + "): " + ToString(a.basis) +
-            " of degree " + std::to_string(a.degree) + ", colours in the " +
-            ToString(a.color_frame) + " frame\n";
-    if (a.released) text += "follows the mesh by the rule of SplattingAvatar's released code\n";
-    if (a.rigid) text += "follows the mesh by GaussianAvatars' rule\n";
-    if (a.has_light) text += "lit by a light that stands still in the world\n";
-    if (a.corrections > 0)
-      text += std::to_string(a.corrections) + " corrections per Gaussian follow the expression\n";
+    const AvatarModel& a = summary.avatar->model;
+    text += "avatar (binding version " + std::to_string(summary.avatar->version) +
+            "): " + ToString(a.gaussians.basis) + " of degree " +
+            std::to_string(a.gaussians.degree) + ", colours in the " + ToString(a.color_frame) +
+            " frame\n";
+    if (a.embedding.released)
+      text += "follows the mesh by the rule of SplattingAvatar's released code\n";
+    if (a.embedding.rigid) text += "follows the mesh by GaussianAvatars' rule\n";
+    if (a.light) text += "lit by a light that stands still in the world\n";
+    if (a.gaussians.corrections > 0)
+      text += std::to_string(a.gaussians.corrections) +
+              " corrections per Gaussian follow the expression\n";
     text += "FLAME model " + Shown(a.flame_name, a.flame_sha256) +
-            (a.flame_bytes > 0 ? Format(", in the file ({:.1f} MB; it may be passed on), ",
-                                        double(a.flame_bytes) / 1e6)
-                               : ", ") +
-            std::to_string(a.shape_count) + " shape coefficients, " +
-            (a.has_static_offset ? "a" : "no") + " static offset" +
+            (!a.flame_file.empty() ? Format(", in the file ({:.1f} MB; it may be passed on), ",
+                                            double(a.flame_file.size()) / 1e6)
+                                   : ", ") +
+            std::to_string(a.shape.size()) + " shape coefficients, " +
+            (a.static_offset.empty() ? "no" : "a") + " static offset" +
             (a.has_mouth ? ", teeth and a mouth added" : "") +
             (a.has_vhap_teeth ? ", VHAP's teeth added" : "") +
             (a.has_eyelids ? ", eyelids added\n" : "\n");
-    text += "canonical mesh of " + std::to_string(a.vertex_count) + " vertices and " +
-            std::to_string(a.face_count) + " faces" +
-            (a.bust_follows ? " with a bust that follows the head, "
-             : a.has_bust   ? " with a bust, "
-                            : ", ") +
-            (a.has_mesh ? Format("in the file with {} morph targets\n", a.expression_count)
-                        : "not in the file: made from the FLAME model\n");
+    text += "canonical mesh of " + std::to_string(summary.avatar->vertex_count) + " vertices and " +
+            std::to_string(summary.avatar->face_count) + " faces" +
+            (a.bust && a.bust->follow ? " with a bust that follows the head, "
+             : a.bust                 ? " with a bust, "
+                                      : ", ") +
+            (a.mesh.faces.empty()
+                 ? "not in the file: made from the FLAME model\n"
+                 : Format("in the file with {} morph targets\n", summary.avatar->expression_count));
     if (a.filmed) text += TextOf(*a.filmed);
-    if (a.blendshapes > 0) text += ToString(a.blendshape_fit, a.blendshapes);
+    if (a.blendshapes) text += ToString(a.blendshapes->fit, a.blendshapes->names.size());
   }
   text += "extensions:";
   for (const std::string& name : summary.extensions_used) text += " " + name;

@@ -73,26 +73,9 @@ Gaussians RestPose(const AvatarModel& model);
 struct GlbSummary {
   struct Avatar {
     int version = 0;
-    int degree = 0;  // as trained
-    Basis basis = Basis::kDcsh;
-    ColorFrame color_frame = ColorFrame::kSurface;
-    std::string flame_name, flame_sha256;
-    size_t flame_bytes = 0;  // of that model in the file; 0: it is not
-    bool has_mouth = false, has_eyelids = false, has_vhap_teeth = false;  // added to it
-    size_t shape_count = 0;
-    bool has_static_offset = false;
-    bool has_bust = false;
-    bool bust_follows = false;
-    bool has_light = false;
-    int corrections = 0;  // bases per Gaussian
-    std::optional<FilmedFrom> filmed;
-    bool released = false;                    // follows the mesh by ReleasedRule
-    bool rigid = false;                       // by GaussianAvatars' rule
+    AvatarModel model;
     size_t vertex_count = 0, face_count = 0;  // of the canonical mesh
-    bool has_mesh = false;                    // whether the file contains the mesh
     size_t expression_count = 0;              // morph targets in the file
-    size_t blendshapes = 0;                   // scores that drive it; 0: it has no map of its own
-    BlendshapeFitFigures blendshape_fit;
   };
   size_t gaussians = 0;
   int degree = 0;  // of the standard attributes, which every reader sees

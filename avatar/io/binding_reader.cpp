@@ -29,7 +29,7 @@ std::vector<float> Floats(const GlbDocument& document,
                           const JsonField& field,
                           int width,
                           size_t expected) {
-  auto values = ReadFloats(document, field.Integer(), width, field.path());
+  auto values = ReadValues<float>(document, field.Integer(), width, field.path());
   if (expected > 0) CheckCount(field, values.size() / width, expected);
   return values;
 }
@@ -94,7 +94,7 @@ void ReadBustFollow(const JsonField& field, BustFollow& follow) {
 Buffer<float> ReadSteps(const GlbDocument& document, const JsonField& field, size_t expected) {
   const std::vector<float> step = field["step"].Numbers(math::kCorrectionWidth);
   const std::vector<int16_t> steps =
-      ReadShorts(document, field["bases"].Integer(), field["bases"].path());
+      ReadValues<int16_t>(document, field["bases"].Integer(), 1, field["bases"].path());
   CheckCount(field["bases"], steps.size(), expected);
   Buffer<float> bases(expected);
   for (size_t i = 0; i < expected; ++i) {
@@ -210,7 +210,7 @@ void ReadHeader(const JsonField& binding, AvatarModel& model) {
 Buffer<int32_t> ReadTriangles(const GlbDocument& document,
                               const JsonField& field,
                               size_t face_count) {
-  const auto indices = ReadUnsigned(document, field.Integer(), field.path());
+  const auto indices = ReadValues<uint32_t>(document, field.Integer(), 1, field.path());
   for (size_t i = 0; i < indices.size(); ++i)
     if (indices[i] >= face_count)
       field.Fail("Gaussian " + std::to_string(i) + " is on face " + std::to_string(indices[i]) +
@@ -252,9 +252,10 @@ void ReadMesh(const GlbDocument& document,
   if (!field.Has("mesh")) return;
   const JsonField index = field["mesh"];
   const GlbPrimitive& primitive = MeshPrimitive(document, index);
-  mesh.vertices =
-      ReadFloats(document, primitive.attributes.at("POSITION"), 3, index.path() + ".POSITION");
-  const auto indices = ReadUnsigned(document, primitive.indices, index.path() + ".indices");
+  mesh.vertices = ReadValues<float>(
+      document, primitive.attributes.at("POSITION"), 3, index.path() + ".POSITION");
+  const auto indices =
+      ReadValues<uint32_t>(document, primitive.indices, 1, index.path() + ".indices");
   CheckCount(index, mesh.vertices.size() / 3, vertex_count);
   CheckCount(index, indices.size(), 3 * face_count);
   for (size_t i = 0; i < indices.size(); ++i) {
@@ -305,7 +306,7 @@ AvatarModel ReadBinding(const GlbDocument& document, const Json& json) {
   if (binding["version"].Integer() >= 4 && binding.Has("light")) ReadLight(binding["light"], model);
   if (binding.Has("blendshapes")) ReadBlendshapes(document, binding["blendshapes"], model);
   if (const JsonField flame = binding["flame"]; flame.Has("file"))
-    model.flame_file = ReadBytes(document, flame["file"].Integer(), flame["file"].path());
+    model.flame_file = ReadValues<char>(document, flame["file"].Integer(), 1, flame["file"].path());
   if (binding.Has("shape")) model.shape = Floats(document, binding["shape"], 1, 0);
   if (binding.Has("staticOffset")) {
     const JsonField field = binding["staticOffset"];
@@ -318,36 +319,13 @@ AvatarModel ReadBinding(const GlbDocument& document, const Json& json) {
 }
 
 GlbSummary::Avatar SummarizeBinding(const GlbDocument& document, const Json& json) {
-  const AvatarModel model = ReadBinding(document, json);
   GlbSummary::Avatar summary;
+  summary.model = ReadBinding(document, json);
   summary.version = json["version"].get<int>();  // checked by ReadBinding
-  summary.released = model.embedding.released.has_value();
-  summary.rigid = model.embedding.rigid;
-  summary.degree = model.gaussians.degree;
-  summary.basis = model.gaussians.basis;
-  summary.color_frame = model.color_frame;
-  summary.flame_name = model.flame_name;
-  summary.flame_sha256 = model.flame_sha256;
-  summary.flame_bytes = model.flame_file.size();
-  summary.has_mouth = model.has_mouth;
-  summary.has_eyelids = model.has_eyelids;
-  summary.has_vhap_teeth = model.has_vhap_teeth;
-  summary.shape_count = model.shape.size();
-  summary.has_static_offset = !model.static_offset.empty();
-  summary.has_bust = model.bust.has_value();
-  summary.bust_follows = model.bust && model.bust->follow;
-  summary.has_light = model.light.has_value();
-  summary.corrections = model.gaussians.corrections;
-  summary.filmed = model.filmed;
-  if (model.blendshapes) {
-    summary.blendshapes = model.blendshapes->names.size();
-    summary.blendshape_fit = model.blendshapes->fit;
-  }
   const Json& mesh = json["canonicalMesh"];
   summary.vertex_count = mesh["vertexCount"].get<size_t>();
   summary.face_count = mesh["faceCount"].get<size_t>();
-  summary.has_mesh = mesh.contains("mesh");
-  if (summary.has_mesh)
+  if (mesh.contains("mesh"))
     summary.expression_count =
         document.meshes[mesh["mesh"].get<size_t>()].primitives[0].targets.size();
   return summary;

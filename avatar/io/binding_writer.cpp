@@ -16,13 +16,13 @@ constexpr float kMaxSteps = 32767;
 constexpr float kMinCorrection = 1e-9f;
 
 int AddArray(GlbDocument& document, View<const float> values, int width) {
-  return AddFloats(document, values, width, GlbUse::kData);
+  return AddValues(document, values, width, GlbUse::kData);
 }
 
 int AddTriangles(GlbDocument& document, const AvatarModel& model) {
   const std::vector<uint32_t> indices(model.embedding.triangle.begin(),
                                       model.embedding.triangle.end());
-  return AddUnsigned(document, indices, GlbUse::kData);
+  return AddValues<uint32_t>(document, indices, 1, GlbUse::kData);
 }
 
 int AddBarycentric(GlbDocument& document, const AvatarModel& model) {
@@ -99,7 +99,7 @@ Json CorrectionsOf(GlbDocument& document, const AvatarModel& model) {
           {"least", Numbers(map.min)},
           {"most", Numbers(map.max)},
           {"step", Numbers(step)},
-          {"bases", AddShorts(document, steps, GlbUse::kData)}};
+          {"bases", AddValues<int16_t>(document, steps, 1, GlbUse::kData)}};
 }
 
 // Adds the fields that version 2 lacks.
@@ -168,7 +168,7 @@ Json AddBinding(GlbDocument& document,
   if (model.gaussians.degree > 0) binding["colorRest"] = AddColor(document, model, splats);
   binding["flame"] = {{"name", Utf8(model.flame_name)}, {"sha256", model.flame_sha256}};
   if (!model.flame_file.empty())
-    binding["flame"]["file"] = AddBytes(document, model.flame_file, GlbUse::kData);
+    binding["flame"]["file"] = AddValues<char>(document, model.flame_file, 1, GlbUse::kData);
   if (model.has_mouth) binding["flame"]["mouth"] = kMouthGeometry;
   if (model.has_vhap_teeth) binding["flame"]["mouth"] = kVhapTeethGeometry;
   if (model.has_eyelids) binding["flame"]["eyelids"] = kEyelidGeometry;

@@ -5,7 +5,6 @@
 #include "avatar/live/packet_input.h"
 #include "avatar/live/sender_clock.h"
 #include "avatar/model/avatar_mesh.h"
-#include "splat/base/error.h"
 
 namespace cosplat {
 namespace {
@@ -14,35 +13,25 @@ namespace {
 // this many of the largest packets takes a few milliseconds.
 constexpr size_t kMaxPackets = 32;
 
-class JsonSource : public LiveSource {
+class JsonSource : public PacketSource {
  public:
-  JsonSource(std::unique_ptr<PacketInput> input, BlendshapeMap map, const FlameParams& rest)
-      : input_(std::move(input)),
-        map_(std::move(map)),
-        index_(map_.names),
-        rest_(rest),
-        scores_(map_.names.size()) {}
+  JsonSource(std::unique_ptr<PacketInput> input, ChosenMap chosen, const FlameParams& rest)
+      : PacketSource(std::move(input), std::move(chosen), rest, kMaxPackets),
+        scores_(chosen_.map.names.size()) {}
 
   bool Poll(int64_t now_ns, LiveFrame& out) override {
-    packets_.Clear();
-    input_->Receive(packets_, counts_);
     std::optional<JsonFrame> newest;
-    for (size_t i = 0; i < packets_.size(); ++i) {
-      try {
-        JsonFrame frame = ParseJsonFrame(Description(), packets_[i]);
-        if (!IsNewer(frame, now_ns)) continue;
-        if (frame.blendshapes)
-          TakeScores(*frame.blendshapes, frame.dropped, index_, Description(), scores_, counts_);
-        if (newest) ++counts_.replaced;
-        newest = std::move(frame);
-      } catch (const Error& error) {
-        ++counts_.malformed;
-        counts_.last_problem = error.what();
-      }
-    }
+    TakePackets([&](const std::string& packet) {
+      JsonFrame frame = ParseJsonFrame(Description(), packet);
+      if (!IsNewer(frame, now_ns)) return;
+      if (frame.blendshapes)
+        TakeScores(*frame.blendshapes, frame.dropped, index_, Description(), scores_, counts_);
+      if (newest) ++counts_.replaced;
+      newest = std::move(frame);
+    });
     if (!newest) return false;
     ++counts_.frames;
-    if (newest->blendshapes) ApplyBlendshapes(map_, scores_, newest->params);
+    if (newest->blendshapes) ApplyBlendshapes(chosen_.map, scores_, newest->params);
     out.params = std::move(newest->params);
     PutOnRest(rest_, out.params);
     out.sequence = newest->sequence;
@@ -51,8 +40,6 @@ class JsonSource : public LiveSource {
     return true;
   }
 
-  bool Ended() const override { return input_->Ended(); }
-  LiveCounts Counts() const override { return counts_; }
   std::string Description() const override { return input_->Description(); }
 
  private:
@@ -67,15 +54,9 @@ class JsonSource : public LiveSource {
     return false;
   }
 
-  std::unique_ptr<PacketInput> input_;
-  BlendshapeMap map_;
-  BlendshapeIndex index_;
-  FlameParams rest_;
   std::vector<float> scores_;  // of the newest frame that has some, in the order of the map's names
-  NewestPackets packets_{kMaxPackets};
   SequenceFilter order_;
   SenderClock clock_;
-  LiveCounts counts_;
 };
 
 }  // namespace
@@ -83,7 +64,7 @@ class JsonSource : public LiveSource {
 std::unique_ptr<LiveSource> OpenJsonSource(std::unique_ptr<PacketInput> input,
                                            ChosenMap map,
                                            const LiveSourceOptions& options) {
-  return std::make_unique<JsonSource>(std::move(input), std::move(map.map), options.rest);
+  return std::make_unique<JsonSource>(std::move(input), std::move(map), options.rest);
 }
 
 }  // namespace cosplat

@@ -1,17 +1,19 @@
 // Non-blocking sources of packets: a UDP socket, a phone that is asked, or lines of standard input.
 //
-// UdpInput, PhoneInput, LineInput -> JsonSource, VmcSource, PhoneSource.
+// UdpInput, PhoneInput, LineInput -> PacketSource: JsonSource, VmcSource, PhoneSource.
 #pragma once
 
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "avatar/live/newest_packets.h"
 #include "avatar/live/phone_frame.h"
 #include "avatar/live/source.h"
 #include "avatar/live/udp_socket.h"
 #include "avatar/model/blendshape_map.h"
+#include "splat/base/error.h"
 
 namespace cosplat {
 
@@ -60,6 +62,50 @@ struct ChosenMap {
 // matrix: a user's file, or "". Otherwise the avatar's map or, without one, the general one. Throws
 // Error as ReadBlendshapeMatrix does.
 ChosenMap ChooseBlendshapeMap(const std::string& matrix, const LiveSourceOptions& options);
+
+// What sources of packets share.
+class PacketSource : public LiveSource {
+ public:
+  bool Ended() const override { return input_->Ended(); }
+  LiveCounts Counts() const override { return counts_; }
+  std::string Description() const override {
+    return input_->Description() + ", by " + chosen_.description;
+  }
+
+ protected:
+  // max_packets: per poll
+  PacketSource(std::unique_ptr<PacketInput> input,
+               ChosenMap chosen,
+               const FlameParams& rest,
+               size_t max_packets)
+      : input_(std::move(input)),
+        chosen_(std::move(chosen)),
+        index_(chosen_.map.names),
+        rest_(rest),
+        packets_(max_packets) {}
+
+  // Calls take(packet) for those that have arrived; where it throws Error, the packet is malformed.
+  template <class Take>
+  void TakePackets(const Take& take) {
+    packets_.Clear();
+    input_->Receive(packets_, counts_);
+    for (size_t i = 0; i < packets_.size(); ++i) {
+      try {
+        take(packets_[i]);
+      } catch (const Error& error) {
+        ++counts_.malformed;
+        counts_.last_problem = error.what();
+      }
+    }
+  }
+
+  std::unique_ptr<PacketInput> input_;
+  ChosenMap chosen_;
+  BlendshapeIndex index_;
+  FlameParams rest_;
+  NewestPackets packets_;
+  LiveCounts counts_;
+};
 
 // The places of a frame's scores in a map: those that the map does not have, and `dropped` ones,
 // are counted; those that are missing are 0. values: as many as there are places.

@@ -9,19 +9,12 @@
 namespace cosplat {
 namespace {
 
-double HeightOf(const DetectedFace& face) {
-  const auto [min, max] =
-      std::minmax_element(face.points.begin(), face.points.end(), [](const auto& a, const auto& b) {
-        return a[1] < b[1];
-      });
-  return (*max)[1] - (*min)[1];
-}
-
 // Null if none has scores.
 const DetectedFace* LargestScored(const LandmarkFrame& frame) {
   const DetectedFace* largest = nullptr;
   for (const DetectedFace& face : frame.faces)
-    if (!face.blendshapes.empty() && (!largest || HeightOf(face) > HeightOf(*largest)))
+    if (!face.blendshapes.empty() &&
+        (!largest || BoxOf(face.points).height() > BoxOf(largest->points).height()))
       largest = &face;
   return largest;
 }

@@ -81,16 +81,13 @@ constexpr float kTurned = 1e-3f;
 // What a message did.
 enum class Use { kNone, kSet, kEndedFrame };
 
-class VmcSource : public LiveSource {
+class VmcSource : public PacketSource {
  public:
   VmcSource(std::unique_ptr<PacketInput> input, ChosenMap chosen, const FlameParams& rest)
-      : input_(std::move(input)),
-        chosen_(std::move(chosen)),
-        index_(chosen_.map.names),
+      : PacketSource(std::move(input), std::move(chosen), rest, kMaxPackets),
         expressions_(chosen_.map),
         own_(AllPlaces(chosen_.map)),
-        gaze_(PlacesOfGaze(chosen_.map)),
-        rest_(rest) {
+        gaze_(PlacesOfGaze(chosen_.map)) {
     state_.scores.resize(chosen_.map.names.size());
     state_.expressions.resize(expressions_.size());
   }
@@ -114,12 +111,6 @@ class VmcSource : public LiveSource {
     out.sequence = applied_ - 1;
     out.time_ns = now_ns;
     return true;
-  }
-
-  bool Ended() const override { return input_->Ended(); }
-  LiveCounts Counts() const override { return counts_; }
-  std::string Description() const override {
-    return input_->Description() + ", by " + chosen_.description;
   }
 
  private:
@@ -233,13 +224,8 @@ class VmcSource : public LiveSource {
     return Use::kSet;
   }
 
-  std::unique_ptr<PacketInput> input_;
-  ChosenMap chosen_;
-  BlendshapeIndex index_;
   VrmExpressions expressions_;
   ScoresInUse own_, gaze_;
-  FlameParams rest_;
-  NewestPackets packets_{kMaxPackets};
   std::vector<OscMessage> messages_;
   VmcState state_, frame_;  // current values; values at the end of the last frame
   bool set_ = false;        // whether they may differ
@@ -248,7 +234,6 @@ class VmcSource : public LiveSource {
   std::array<bool, 2> eye_seen_{};
   bool eye_bones_turned_ = false;
   uint64_t applied_ = 0;  // number of complete frames
-  LiveCounts counts_;
   // The last message dropped from the packet that is being read, or null, and why.
   const OscMessage* bad_ = nullptr;
   std::string_view problem_;

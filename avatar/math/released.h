@@ -33,11 +33,6 @@ COSPLAT_HD T ReleasedAreaRatio(const T& area, const T& canonical, const T& unit)
   const T floor = T(kReleasedAreaFloor) * unit * unit;
   return (area + floor) / (canonical + floor);
 }
-// Adds to d_area. The canonical mesh is held fixed.
-template <class T>
-COSPLAT_HD void ReleasedAreaRatioVjp(const T& canonical, const T& unit, const T& d, T& d_area) {
-  d_area = d_area + d / (canonical + T(kReleasedAreaFloor) * unit * unit);
-}
 
 // log(metres) on the canonical mesh -> log(metres) in the world.
 template <class T>
@@ -49,20 +44,6 @@ COSPLAT_HD Vec3<T> ReleasedScale(const Vec3<T>& scale_log,
   return {alpha * (scale_log.x - shift) + shift,
           alpha * (scale_log.y - shift) + shift,
           alpha * (scale_log.z - shift) + shift};
-}
-// Adds to d_scale_log and d_area.
-template <class T>
-COSPLAT_HD void ReleasedScaleVjp(const Vec3<T>& scale_log,
-                                 const T& area,
-                                 const T& canonical,
-                                 const T& unit,
-                                 const Vec3<T>& d,
-                                 Vec3<T>& d_scale_log,
-                                 T& d_area) {
-  const T shift = Log(unit);
-  d_scale_log += d * ReleasedAreaRatio(area, canonical, unit);
-  const T d_alpha = Dot(d, scale_log - Vec3<T>{shift, shift, shift});
-  ReleasedAreaRatioVjp(canonical, unit, d_alpha, d_area);
 }
 
 // Sum of w_i q_i without aligning signs: may vanish even where all q_i are the same rotation.
@@ -76,16 +57,6 @@ COSPLAT_HD Quat<T> UnalignedSum(const Quat<T>* q, const T* w, int count) {
 template <class T>
 COSPLAT_HD Quat<T> UnalignedBlend(const Quat<T>* q, const T* w, int count) {
   return Normalize(UnalignedSum(q, w, count));
-}
-// Adds to d_q [count] and d_w [count].
-template <class T>
-COSPLAT_HD void UnalignedBlendVjp(
-    const Quat<T>* q, const T* w, int count, const Quat<T>& d, Quat<T>* d_q, T* d_w) {
-  const Quat<T> d_sum = NormalizeVjp(UnalignedSum(q, w, count), d);
-  for (int i = 0; i < count; ++i) {
-    d_q[i] = d_q[i] + d_sum * w[i];
-    d_w[i] = d_w[i] + Dot(q[i], d_sum);
-  }
 }
 
 // Converts, in place, the weights of a point on one triangle to those on the triangle across the

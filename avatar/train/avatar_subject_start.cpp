@@ -98,22 +98,18 @@ void AvatarSubject::LoadFrames() {
   } else {
     tbb::parallel_for(size_t(0), images.size(), load);
   }
-  std::vector<TrackedFrame> usable;
   for (size_t i = 0; i < images.size(); ++i) {
+    if (!problems[i].empty()) continue;
     const TrackedFrame& frame = video_.train[i];
-    if (!problems[i].empty()) {
-      video_.skipped.push_back({frame.name, problems[i]});
-      continue;
-    }
     frames_.push_back({frame.camera, std::move(images[i])});
     track_.frames.push_back(
         {{FlamePoser<float>::ParametersOf(frame.params)}, size_t(flame_.expression_count)});
-    usable.push_back(frame);
   }
-  CheckSkipped(video_.source, usable.size() + video_.test.size(), video_.skipped);
-  if (usable.empty())
+  const auto name_of = [](const TrackedFrame& frame) { return frame.name; };
+  video_.train = KeepUsable(std::move(video_.train), problems, name_of, video_.skipped);
+  CheckSkipped(video_.source, frames_.size() + video_.test.size(), video_.skipped);
+  if (frames_.empty())
     throw Error(video_.source, "training frames", "none is usable: " + video_.skipped[0].reason);
-  video_.train = std::move(usable);
 }
 
 // Whether a large part of the masks lies outside the mesh. Hair does too, but far less than a bust.

@@ -16,23 +16,6 @@ using Pixel = std::array<double, 2>;
 // The head's centre is off the face's by less than the face's size, however it is turned.
 constexpr double kMaxFromFace = 1;
 
-// Where a detected face is, in px of the landmarks' images.
-struct FaceBox {
-  Pixel center;
-  double size;
-};
-
-FaceBox BoxOf(const DetectedFace& face) {
-  Pixel min = face.points[0], max = face.points[0];
-  for (const Pixel& p : face.points)
-    for (size_t k = 0; k < 2; ++k) {
-      min[k] = std::min(min[k], p[k]);
-      max[k] = std::max(max[k], p[k]);
-    }
-  return {{(min[0] + max[0]) / 2, (min[1] + max[1]) / 2},
-          std::max(max[0] - min[0], max[1] - min[1])};
-}
-
 double Distance(const Pixel& a, const Pixel& b) { return std::hypot(a[0] - b[0], a[1] - b[1]); }
 
 // The tracked head's centre, in px of the landmarks' images.
@@ -104,14 +87,15 @@ class ScoreMatcher {
     for (const DetectedFace& face : found->second->faces) {
       if (face.blendshapes.empty()) continue;
       if (!nearest) head = HeadCenter(frame, landmarks_, poser_, vertices_);
-      const FaceBox candidate = BoxOf(face);
-      if (nearest && Distance(candidate.center, head) >= Distance(box.center, head)) continue;
+      const FaceBox candidate = BoxOf(face.points);
+      if (nearest && Distance(candidate.middle(), head) >= Distance(box.middle(), head)) continue;
       nearest = &face;
       box = candidate;
     }
     if (!nearest) return nullptr;
     ++scored_;
-    if (Distance(box.center, head) <= kMaxFromFace * box.size) return nearest;
+    if (Distance(box.middle(), head) <= kMaxFromFace * std::max(box.width(), box.height()))
+      return nearest;
     ++elsewhere_;
     return nullptr;
   }

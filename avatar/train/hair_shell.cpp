@@ -8,6 +8,7 @@
 
 #include "avatar/math/one_euro.h"
 #include "avatar/train/nearby.h"
+#include "splat/base/median.h"
 
 namespace cosplat {
 namespace {
@@ -86,9 +87,7 @@ std::vector<float> FindHairShell(const std::vector<MeshInFrame>& frames,
   std::vector<float> heights(count, 0), shell(count, 0);
   for (size_t v = 0; v < count; ++v) {
     if (measured[v].empty()) continue;
-    const auto median = measured[v].begin() + std::ptrdiff_t(measured[v].size() / 2);
-    std::nth_element(measured[v].begin(), median, measured[v].end());
-    heights[v] = *median;
+    heights[v] = Median(measured[v]);
     known.push_back(v);
   }
   if (known.empty()) return shell;

@@ -10,6 +10,7 @@
 #include "avatar/surface/silhouette.h"
 #include "flame/mouth.h"
 #include "splat/base/error.h"
+#include "splat/base/median.h"
 #include "splat/media/image_io.h"
 
 namespace cosplat {
@@ -31,8 +32,7 @@ constexpr double kClearlyBetter = 0.9;
 double MedianFaceSize(const std::vector<TrackedFrame*>& frames) {
   std::vector<double> sizes;
   for (const TrackedFrame* frame : frames) sizes.push_back(FaceSizeIn(*frame));
-  std::nth_element(sizes.begin(), sizes.begin() + long(sizes.size() / 2), sizes.end());
-  return sizes[sizes.size() / 2];
+  return Median(sizes);
 }
 
 double ScaleFor(const std::vector<TrackedFrame*>& frames, double face_size) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "avatar/math/turn.h"
+#include "splat/base/median.h"
 
 namespace cosplat {
 namespace {
@@ -70,9 +71,7 @@ float SpreadOf(const std::vector<Vec3<float>>& directions) {
     const Vec3<float> across = math::Cross(d, sum);
     angles.push_back(std::atan2(std::sqrt(math::Dot(across, across)), math::Dot(d, sum)));
   }
-  const auto median = angles.begin() + std::ptrdiff_t(angles.size() / 2);
-  std::nth_element(angles.begin(), median, angles.end());
-  return *median;
+  return Median(angles);
 }
 
 // The frame's camera, carried around the head.

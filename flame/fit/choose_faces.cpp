@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "flame/fit/face_box.h"
+#include "flame/io/landmarks.h"
 
 namespace cosplat {
 namespace {
@@ -16,7 +16,7 @@ constexpr int kMaxGap = 12;
 // Frames that are further apart than this, and not neighbours, do not follow each other.
 constexpr double kMaxStepSeconds = 0.05;
 
-bool SameFace(const LandmarkBox& a, const LandmarkBox& b) {
+bool SameFace(const FaceBox& a, const FaceBox& b) {
   const auto [ax, ay] = a.middle();
   const auto [bx, by] = b.middle();
   const double larger = std::max(a.size(), b.size()), smaller = std::min(a.size(), b.size());
@@ -48,7 +48,7 @@ std::vector<double> WeightsOf(const DetectedFace& face, LandmarkSet set) {
 }
 
 // The face of `frame` that is `last`, else the largest; null if there is none.
-const DetectedFace* Choose(const LandmarkFrame& frame, const LandmarkBox* last, bool& follows) {
+const DetectedFace* Choose(const LandmarkFrame& frame, const FaceBox* last, bool& follows) {
   const DetectedFace* chosen = nullptr;
   follows = false;
   for (const DetectedFace& face : frame.faces) {
@@ -64,7 +64,7 @@ const DetectedFace* Choose(const LandmarkFrame& frame, const LandmarkBox* last, 
 
 ChosenFaces ChooseFaces(const LandmarkVideo& video) {
   ChosenFaces chosen;
-  std::optional<LandmarkBox> last;
+  std::optional<FaceBox> last;
   int gap = 0, last_frame = 0;
   size_t found = 0;
   const double rate = video.rate();
@@ -80,7 +80,7 @@ ChosenFaces ChooseFaces(const LandmarkVideo& video) {
     const int step = frame.frame - last_frame;
     const bool just_before = step == 1 || step <= kMaxStepSeconds * rate;
     chosen.cuts += last && !follows && (just_before || gap > 0);
-    const LandmarkBox box = BoxOf(face->points);
+    const FaceBox box = BoxOf(face->points);
     chosen.faces.push_back(ObservedFace{face->points,
                                         WeightsOf(*face, video.set),
                                         box.size(),

@@ -4,8 +4,9 @@
 #include <array>
 #include <cmath>
 
-#include "flame/fit/face_box.h"
 #include "flame/fit/landmark_scores.h"
+#include "flame/io/landmarks.h"
+#include "splat/base/median.h"
 
 namespace cosplat {
 namespace {
@@ -51,8 +52,7 @@ std::vector<size_t> Usable(const LandmarkVideo& seen, const std::vector<double>&
   for (size_t i = 0; i < count; ++i)
     if (!seen.frames[i].faces.empty()) sharp.push_back(sharpness[i]);
   if (sharp.empty()) return {};
-  std::nth_element(sharp.begin(), sharp.begin() + long(sharp.size() / 2), sharp.end());
-  const double least = kBlurred * sharp[sharp.size() / 2];
+  const double least = kBlurred * Median(sharp);
   std::vector<size_t> usable;
   for (size_t i = 0; i < count; ++i)
     if (!seen.frames[i].faces.empty() && sharpness[i] >= least) usable.push_back(i);

@@ -20,7 +20,7 @@ constexpr double kStays = 2. / 3;
 
 // Someone who has been seen so far.
 struct Seen {
-  LandmarkBox last;
+  FaceBox last;
   size_t last_frame = 0;
   size_t frames = 0;
   double size = 0;   // px, sum over the frames
@@ -28,7 +28,7 @@ struct Seen {
   std::vector<std::optional<size_t>> face;
 };
 
-double DistanceOf(const LandmarkBox& a, const LandmarkBox& b) {
+double DistanceOf(const FaceBox& a, const FaceBox& b) {
   const auto [ax, ay] = a.middle();
   const auto [bx, by] = b.middle();
   const double larger = std::max({a.size(), b.size(), 1e-6});
@@ -37,7 +37,7 @@ double DistanceOf(const LandmarkBox& a, const LandmarkBox& b) {
 }
 
 // Those of a frame's faces that are no smaller copy of another.
-std::vector<size_t> DistinctFaces(const std::vector<LandmarkBox>& boxes) {
+std::vector<size_t> DistinctFaces(const std::vector<FaceBox>& boxes) {
   std::vector<size_t> by_size(boxes.size());
   for (size_t i = 0; i < boxes.size(); ++i) by_size[i] = i;
   std::stable_sort(by_size.begin(), by_size.end(), [&](size_t a, size_t b) {
@@ -57,8 +57,8 @@ std::vector<size_t> DistinctFaces(const std::vector<LandmarkBox>& boxes) {
 
 }  // namespace
 
-Person ChoosePerson(const std::vector<std::vector<LandmarkBox>>& boxes,
-                    const std::vector<LandmarkBox>& expected) {
+Person ChoosePerson(const std::vector<std::vector<FaceBox>>& boxes,
+                    const std::vector<FaceBox>& expected) {
   std::vector<Seen> people;
   size_t with_faces = 0;
   for (size_t f = 0; f < boxes.size(); ++f) {
@@ -112,8 +112,8 @@ Person ChoosePerson(const std::vector<std::vector<LandmarkBox>>& boxes,
 }
 
 Person KeepPerson(std::vector<std::vector<DetectedFace>>& frames,
-                  const std::vector<LandmarkBox>& expected) {
-  std::vector<std::vector<LandmarkBox>> boxes(frames.size());
+                  const std::vector<FaceBox>& expected) {
+  std::vector<std::vector<FaceBox>> boxes(frames.size());
   for (size_t f = 0; f < frames.size(); ++f)
     for (const DetectedFace& face : frames[f]) boxes[f].push_back(BoxOf(face.points));
   Person person = ChoosePerson(boxes, expected);

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "flame/fit/face_box.h"
+#include "flame/io/landmarks.h"
+#include "splat/base/median.h"
 
 namespace cosplat {
 namespace {
@@ -70,8 +71,7 @@ std::vector<size_t> OtherLooks(const std::vector<std::vector<float>>& colors) {
     for (size_t k = 0; k < medians.size(); ++k) {
       std::array<float, kWindow> values;
       for (size_t j = 0; j < kWindow; ++j) values[j] = colors[begin + j][k];
-      std::nth_element(values.begin(), values.begin() + kWindow / 2, values.end());
-      medians[k] = values[kWindow / 2];
+      medians[k] = Median(values);
     }
     return medians;
   };
@@ -79,8 +79,7 @@ std::vector<size_t> OtherLooks(const std::vector<std::vector<float>>& colors) {
   for (size_t i = kWindow; i + kWindow <= colors.size(); ++i)
     change[i] = FaceColorChange(median(i), median(i - kWindow));
   std::vector<double> sorted(change.begin() + kWindow, change.end() - kWindow + 1);
-  std::nth_element(sorted.begin(), sorted.begin() + ptrdiff_t(sorted.size() / 2), sorted.end());
-  const double usual = sorted[sorted.size() / 2];
+  const double usual = Median(sorted);
   // The largest step within the window is where it begins.
   const auto step = [&](size_t i) { return FaceColorChange(colors[i], colors[i - 1]); };
   std::vector<size_t> places;

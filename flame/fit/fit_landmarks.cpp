@@ -10,11 +10,11 @@
 #include <mutex>
 
 #include "flame/eyelids.h"
-#include "flame/fit/face_box.h"
 #include "flame/fit/face_texture.h"
 #include "flame/fit/frame_priors.h"
 #include "flame/fit/landmark_cost.h"
 #include "flame/fit/silhouette.h"
+#include "flame/io/landmarks.h"
 #include "splat/base/error.h"
 #include "splat/base/text.h"
 
@@ -74,7 +74,7 @@ int ExpressionCount(const FlameModel& model, int at_most) {
 // Around the landmarks there are hair, neck and chest.
 FrameView ViewOf(const ObservedFace& face, const FitLens& lens) {
   constexpr double kMargin = 0.75;  // in units of the landmarks' extent
-  const LandmarkBox box = BoxOf(face.points);
+  const FaceBox box = BoxOf(face.points);
   const double margin = kMargin * std::max(box.width(), box.height());
   FrameView view;
   view.lens = lens;

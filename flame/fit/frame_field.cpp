@@ -41,13 +41,6 @@ Image Blur(Image image, int radius) {
   return image;
 }
 
-Image8 CropOf(const Image8& frame, int left, int top, int width, int height) {
-  Image8 out(width, height, frame.channels);
-  for (int y = 0; y < height; ++y)
-    std::copy_n(&frame.at(left, top + y, 0), width * frame.channels, &out.at(0, y, 0));
-  return out;
-}
-
 // The frame's part, resized.
 struct Part {
   FrameField field;  // without its image
@@ -60,7 +53,7 @@ Part PartOf(const Image8& frame, const std::array<double, 4>& box, double scale)
   const int right = int(std::clamp(std::ceil(box[2]), left + 2.0, double(frame.width)));
   const int bottom = int(std::clamp(std::ceil(box[3]), top + 2.0, double(frame.height)));
   Part part;
-  part.image = CropOf(frame, left, top, right - left, bottom - top);
+  part.image = Cropped(frame, {left, top, right - left, bottom - top});
   if (scale < 1)
     part.image = ResizeByArea(part.image,
                               std::max(2, int(std::lround(part.image.width * scale))),
@@ -108,8 +101,7 @@ std::optional<FrameField> RimDistance(const Image8& frame,
                                       const std::array<double, 4>& box,
                                       double scale) {
   auto [out, part] = PartOf(frame, box, scale);
-  Image8 matte(part.width, part.height, 1);
-  for (size_t i = 0; i < part.pixels(); ++i) matte.data[i] = part.data[4 * i + 3];
+  const Image8 matte = ChannelOf(part, 3);
   const auto [min, max] = std::minmax_element(matte.data.begin(), matte.data.end());
   if (*min >= kInside || *max < kInside) return std::nullopt;
   out.image = SignedDistance(matte, kInside);

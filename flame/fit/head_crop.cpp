@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "flame/fit/face_box.h"
+#include "flame/io/landmarks.h"
 #include "splat/base/error.h"
 
 namespace cosplat {
@@ -15,7 +15,7 @@ constexpr double kOutermost = 0.02;  // of the frames, at each side
 // Of what does not fit into the frame, this much is lost above.
 constexpr double kLostAbove = 0.25;
 
-LandmarkBox WithRoom(const LandmarkBox& face) {
+FaceBox WithRoom(const FaceBox& face) {
   const double size = face.size();
   const auto [x, y] = face.middle();
   return {x - kAside * size, y - kAbove * size, x + kAside * size, y + kBelow * size};
@@ -35,7 +35,7 @@ FrameCrop HeadCrop(const std::vector<std::vector<DetectedFace>>& faces,
   std::vector<double> left, top, right, bottom;
   for (const std::vector<DetectedFace>& found : faces) {
     if (found.empty()) continue;
-    const LandmarkBox room = WithRoom(BoxOf(found[0].points));
+    const FaceBox room = WithRoom(BoxOf(found[0].points));
     left.push_back(room.left), right.push_back(room.right);
     top.push_back(room.top), bottom.push_back(room.bottom);
   }

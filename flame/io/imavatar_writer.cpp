@@ -45,12 +45,6 @@ Json FrameOfTrack(const TrackedFrame& frame, const std::array<float, 4>& box) {
           {"bbox", box}};
 }
 
-bool HasEyelids(const ImavatarTrack& track) {
-  return std::any_of(track.frames.begin(), track.frames.end(), [](const TrackedFrame& frame) {
-    return frame.params.eyelids != std::array<float, 2>{};
-  });
-}
-
 }  // namespace
 
 std::array<float, 4> ImavatarBox(const Image8& mask) {
@@ -65,27 +59,30 @@ std::array<float, 4> ImavatarBox(const Image8& mask) {
   return {norm(x0, mask.width), norm(y0, mask.height), norm(x1, mask.width), norm(y1, mask.height)};
 }
 
-ImavatarTrack ImavatarTrackOf(const FlameModel& model) {
-  ImavatarTrack track;
-  track.vertices = model.own_vertex_count();
+TrackedVideo TrackOf(const FlameModel& model) {
+  TrackedVideo track;
+  track.model_vertices = model.own_vertex_count();
   if (!model.landmarks.empty()) track.model_sha256 = model.sha256;
   return track;
 }
 
-void WriteImavatarTrack(const std::string& folder, const ImavatarTrack& track) {
-  const Camera& lens = track.frames.at(0).camera;
+void WriteImavatarTrack(const std::string& folder,
+                        const TrackedVideo& track,
+                        const std::vector<std::array<float, 4>>& boxes,
+                        int test_frames) {
+  const Camera& lens = track.train.at(0).camera;
   const float width = float(lens.width), height = float(lens.height);
-  const bool eyelids = HasEyelids(track);
+  const bool eyelids = TracksEyelids(track);
   Json json{{"intrinsics", {-lens.fx / width, lens.fy / height, lens.cx / width, lens.cy / height}},
             {"shape_params", track.shape},
             {"frames", Json::array()}};
-  if (track.vertices > 0) json["vertices"] = track.vertices;
+  if (track.model_vertices > 0) json["vertices"] = track.model_vertices;
   if (!track.model_sha256.empty()) json["model_sha256"] = track.model_sha256;
   if (!track.static_offset.empty()) json["static_offset"] = track.static_offset;
-  if (track.test_frames >= 0) json["test_frames"] = track.test_frames;
-  for (size_t f = 0; f < track.frames.size(); ++f) {
-    json["frames"].push_back(FrameOfTrack(track.frames[f], track.boxes.at(f)));
-    if (eyelids) json["frames"].back()["eyelids"] = track.frames[f].params.eyelids;
+  if (test_frames >= 0) json["test_frames"] = test_frames;
+  for (size_t f = 0; f < track.train.size(); ++f) {
+    json["frames"].push_back(FrameOfTrack(track.train[f], boxes.at(f)));
+    if (eyelids) json["frames"].back()["eyelids"] = track.train[f].params.eyelids;
   }
   WriteFileAtomically(folder + "/flame_params.json", json.dump(1) + "\n");
 }

@@ -39,16 +39,13 @@ bool SamePose(const Camera& a, const Camera& b) {
 }
 
 // Fills `frame`; returns why it is unusable, if it is.
-std::string LoadInstaFrame(const std::string& path,
-                           const JsonField& file,
-                           const JsonField& field,
-                           const TrackRequest& request,
-                           DataFiles& files,
-                           size_t& transposed,
-                           TrackedFrame& frame) {
+std::string LoadInstaFrame(const JsonField& field, Transforms& of, TrackedFrame& frame) {
+  const std::string& path = of.folder;
+  const TrackRequest& request = of.request;
+  frame.timestep = NumberIn(frame.name).value_or(frame.timestep);
   const std::string image = field["file_path"].String();
-  const Camera lens = LensOfTransforms(file, field);
-  std::string problem = SetInstaPose(field["transform_matrix"], transposed, frame.camera);
+  const Camera lens = LensOfTransforms(of.file, field);
+  std::string problem = SetInstaPose(field["transform_matrix"], of.transposed, frame.camera);
   if (!problem.empty()) return problem;
   const fs::path relative(ForwardSlashes(image));
   if (relative.is_relative() && !StaysInside(relative))
@@ -59,40 +56,12 @@ std::string LoadInstaFrame(const std::string& path,
     problem = ReadMetricalFrame(checkpoint, frame.params, tracked);
     if (problem.empty() && !SamePose(frame.camera, tracked))
       problem = "transform_matrix is not the camera of " + checkpoint;
-    if (request.images) frame.image_path = files.FindImage(image);
+    if (request.images) frame.image_path = of.files.FindImage(image);
     if (problem.empty() && request.images && frame.image_path.empty())
       problem = "image " + path + "/" + image + " is missing";
     if (problem.empty()) problem = FinishTrackedFrame(lens, request, frame);
   });
   return problem.empty() ? broken : problem;
-}
-
-void LoadInstaFrames(const std::string& path,
-                     const std::string& name,
-                     const TrackRequest& request,
-                     std::vector<TrackedFrame>& frames,
-                     TrackedVideo& video) {
-  const JsonField file(path + name, ReadJson(path + name));
-  const JsonField list = file["frames"];
-  DataFiles files(path);
-  size_t transposed = 0;
-  for (size_t i = 0; i < list.size(); ++i) {
-    TrackedFrame frame;
-    frame.name = StemOf(list[i]["file_path"].String());
-    frame.timestep = NumberIn(frame.name).value_or(int(i));
-    frame.has_image = request.images != nullptr;
-    const std::string problem =
-        LoadInstaFrame(path, file, list[i], request, files, transposed, frame);
-    KeepOrSkip(std::move(frame), problem, frames, video);
-  }
-  NoteTransposed(path + name, transposed, video);
-}
-
-// The files are written as their frames are done: not in order.
-void SortByTime(std::vector<TrackedFrame>& frames) {
-  std::stable_sort(frames.begin(), frames.end(), [](const TrackedFrame& a, const TrackedFrame& b) {
-    return a.timestep < b.timestep;
-  });
 }
 
 }  // namespace
@@ -104,13 +73,16 @@ void LoadInstaTrack(const std::string& path, const TrackRequest& request, Tracke
                 "checkpoint/",
                 "is missing: INSTA's files have no jaw, eyes and shape, which are in "
                 "metrical-tracker's folder checkpoint/ (copy it here)");
-  const std::string train = "/transforms_train.json";
+  const auto load = [&](const std::string& file, std::vector<TrackedFrame>& frames) {
+    LoadTransforms(file, path, request, LoadInstaFrame, frames, video);
+  };
+  const std::string train = path + "/transforms_train.json";
   const std::string test = FirstThatExists(path, {"transforms_test.json", "transforms_val.json"});
-  if (fs::exists(path + train)) {
-    LoadInstaFrames(path, train, request, video.train, video);
-    if (!test.empty()) LoadInstaFrames(path, test.substr(path.size()), request, video.test, video);
+  if (fs::exists(train)) {
+    load(train, video.train);
+    if (!test.empty()) load(test, video.test);
   } else {
-    LoadInstaFrames(path, "/transforms.json", request, video.train, video);
+    load(path + "/transforms.json", video.train);
   }
   SettleShape(video);
   CheckSkipped(path, video.train.size() + video.test.size(), video.skipped);
@@ -120,6 +92,7 @@ void LoadInstaTrack(const std::string& path, const TrackRequest& request, Tracke
     std::move(video.test.begin(), video.test.end(), std::back_inserter(video.train));
     video.test.clear();
   }
+  // The files are written as their frames are done: not in order.
   SortByTime(video.train);
   SortByTime(video.test);
   if (!own_split)

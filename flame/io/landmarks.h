@@ -5,6 +5,7 @@
 // image's top left corner, the centre of its first pixel (0.5, 0.5).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <optional>
@@ -13,8 +14,19 @@
 
 #include "splat/base/camera.h"
 #include "splat/base/image.h"
+#include "splat/media/face_part.h"
 
 namespace cosplat {
+
+// The extent of points, px.
+inline FaceBox BoxOf(const std::vector<std::array<double, 2>>& points) {
+  FaceBox box;
+  for (const auto& [x, y] : points) {
+    box.left = std::min(box.left, x), box.right = std::max(box.right, x);
+    box.top = std::min(box.top, y), box.bottom = std::max(box.bottom, y);
+  }
+  return box;
+}
 
 // Which points of the face a file has, and in which order.
 enum class LandmarkSet {

@@ -10,6 +10,7 @@
 #include "flame/math/rotation.h"
 #include "splat/base/camera.h"
 #include "splat/base/error.h"
+#include "splat/base/median.h"
 #include "splat/base/text.h"
 
 namespace cosplat {
@@ -128,8 +129,7 @@ void SettleShape(TrackedVideo& video) {
   for (auto* list : {&video.train, &video.test})
     for (const TrackedFrame& frame : *list) sizes.push_back(frame.params.shape.size());
   if (sizes.empty()) return;
-  std::nth_element(sizes.begin(), sizes.begin() + long(sizes.size() / 2), sizes.end());
-  const size_t size = sizes[sizes.size() / 2];
+  const size_t size = Median(sizes);
   std::vector<std::vector<float>> shapes;
   for (auto* list : {&video.train, &video.test})
     for (const TrackedFrame& frame : *list)

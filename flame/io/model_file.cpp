@@ -1,8 +1,6 @@
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
-#include <map>
 
 #include "flame/blendshape_names.h"
 #include "flame/io/pickle.h"
@@ -18,106 +16,79 @@ namespace {
 constexpr size_t kShapeDirectionsInFlame = 300;
 constexpr int kMediapipePoints = 478;
 
-std::string ShapeText(const std::vector<size_t>& shape) {
-  std::string text;
-  for (size_t extent : shape) text += (text.empty() ? "" : ", ") + std::to_string(extent);
-  return "[" + text + "]";
+// What people have in place of a model.
+void CheckContent(const std::string& path,
+                  const std::string& extension,
+                  const std::vector<char>& bytes) {
+  const std::string_view begin(bytes.data(), std::min<size_t>(bytes.size(), 64));
+  const std::string other = OtherContent(begin);
+  if (!other.empty()) throw Error(path, other);
+  if (extension != ".npz" && begin.starts_with("PK"))
+    throw Error(path, "is a ZIP archive: unpack it, the model is the .pkl in it");
+  // A pickle of protocol 2 and up begins with 0x80 and has lone line feeds among its numbers.
+  if (extension == ".pkl" && begin.starts_with("\x80") && bytes.size() > 4096) {
+    size_t feeds = 0, after_return = 0;
+    for (size_t i = 1; i < bytes.size(); ++i)
+      if (bytes[i] == '\n') ++feeds, after_return += bytes[i - 1] == '\r';
+    if (feeds > 0 && feeds == after_return)
+      throw Error(path,
+                  "was changed on its way: every line feed has a carriage return before it; "
+                  "download it again as a binary file");
+  }
+}
+
+Npz ReadPickle(const std::string& path, const std::vector<char>& bytes) {
+  const Pickle pickle(path, bytes);
+  if (pickle.root().kind != PickleValue::Kind::kDict)
+    throw Error(path, "is not a FLAME model: its pickle does not contain a dictionary");
+  Npz arrays(path);
+  for (const char* name :
+       {"v_template", "f", "shapedirs", "posedirs", "J_regressor", "weights", "kintree_table"})
+    if (const PickleValue* value = pickle.root().Find(name))
+      arrays.Add(name, ArrayOf(path, name, *value));
+  return arrays;
 }
 
 // The arrays of a model file by name, for both file formats.
-class ModelArrays {
- public:
-  ModelArrays(const std::string& path, const std::vector<char>& bytes) : path_(path) {
-    const std::string extension = LowerCase(std::filesystem::path(path).extension().string());
-    CheckContent(extension, bytes);
-    if (extension == ".npz") {
-      arrays_ = Npz::Parse(path, bytes).arrays();
-    } else if (extension == ".pkl") {
-      ReadPickle(bytes);
-    } else {
-      throw Error(path, "is not a FLAME model: expected .pkl or .npz");
-    }
-  }
+Npz ReadArrays(const std::string& path, const std::vector<char>& bytes) {
+  const std::string extension = LowerCase(std::filesystem::path(path).extension().string());
+  CheckContent(path, extension, bytes);
+  if (extension == ".npz") return Npz::Parse(path, bytes);
+  if (extension == ".pkl") return ReadPickle(path, bytes);
+  throw Error(path, "is not a FLAME model: expected .pkl or .npz");
+}
 
-  bool Has(const std::string& name) const { return arrays_.count(name) != 0; }
-
-  // `expected`: extents; 0 accepts any.
-  const NpyArray& Get(const std::string& name, const std::vector<size_t>& expected) const {
-    const auto found = arrays_.find(name);
-    if (found == arrays_.end()) throw Error(path_, name, "array is missing");
-    const auto& shape = found->second.shape;
-    bool same = shape.size() == expected.size();
-    for (size_t i = 0; same && i < shape.size(); ++i)
-      same = expected[i] == 0 || shape[i] == expected[i];
-    if (!same)
-      throw Error(
-          path_,
-          name,
-          "has shape " + ShapeText(shape) + ", expected " + ShapeText(expected) + " (0: any)");
-    return found->second;
+// The name of the array with this name, or of the only one with this prefix ("shapedirs60_open").
+std::string NameOf(const Npz& arrays, const std::string& prefix) {
+  if (arrays.Has(prefix)) return prefix;
+  std::string name;
+  for (const auto& [candidate, array] : arrays.arrays()) {
+    if (!candidate.starts_with(prefix)) continue;
+    if (!name.empty())
+      throw Error(arrays.path(), name, "array is ambiguous: there is " + candidate + " too");
+    name = candidate;
   }
+  return name.empty() ? prefix : name;
+}
 
-  // The name of the array with this name, or of the only one with this prefix ("shapedirs60_open").
-  std::string NameOf(const std::string& prefix) const {
-    if (Has(prefix)) return prefix;
-    std::string name;
-    for (const auto& [candidate, array] : arrays_) {
-      if (!candidate.starts_with(prefix)) continue;
-      if (!name.empty())
-        throw Error(path_, name, "array is ambiguous: there is " + candidate + " too");
-      name = candidate;
-    }
-    return name.empty() ? prefix : name;
-  }
+// Element of an array as an integer in [low, high].
+int IntegerAt(const Npz& arrays,
+              const std::string& name,
+              const NpyArray& array,
+              size_t i,
+              int low,
+              int high) {
+  const double x = array.values[i];
+  if (!(x >= low && x <= high) || x != std::floor(x))
+    throw Error(arrays.path(),
+                name + "[" + std::to_string(i) + "]",
+                Format("is {}, expected an integer from {} to {}", x, low, high));
+  return int(x);
+}
 
-  // Element of an array as an integer in [low, high].
-  int IntegerAt(const std::string& name, const NpyArray& array, size_t i, int low, int high) const {
-    const double x = array.values[i];
-    if (!(x >= low && x <= high) || x != std::floor(x))
-      throw Error(path_,
-                  name + "[" + std::to_string(i) + "]",
-                  Format("is {}, expected an integer from {} to {}", x, low, high));
-    return int(x);
-  }
-  int Integer(const std::string& name, int low, int high) const {
-    return IntegerAt(name, Get(name, {}), 0, low, high);
-  }
-
-  const std::string& path() const { return path_; }
-
- private:
-  // What people have in place of a model.
-  void CheckContent(const std::string& extension, const std::vector<char>& bytes) const {
-    const std::string_view begin(bytes.data(), std::min<size_t>(bytes.size(), 64));
-    const std::string other = OtherContent(begin);
-    if (!other.empty()) throw Error(path_, other);
-    if (extension != ".npz" && begin.starts_with("PK"))
-      throw Error(path_, "is a ZIP archive: unpack it, the model is the .pkl in it");
-    // A pickle of protocol 2 and up begins with 0x80 and has lone line feeds among its numbers.
-    if (extension == ".pkl" && begin.starts_with("\x80") && bytes.size() > 4096) {
-      size_t feeds = 0, after_return = 0;
-      for (size_t i = 1; i < bytes.size(); ++i)
-        if (bytes[i] == '\n') ++feeds, after_return += bytes[i - 1] == '\r';
-      if (feeds > 0 && feeds == after_return)
-        throw Error(
-            path_,
-            "was changed on its way: every line feed has a carriage return before it; download "
-            "it again as a binary file");
-    }
-  }
-  void ReadPickle(const std::vector<char>& bytes) {
-    const Pickle pickle(path_, bytes);
-    if (pickle.root().kind != PickleValue::Kind::kDict)
-      throw Error(path_, "is not a FLAME model: its pickle does not contain a dictionary");
-    for (const char* name :
-         {"v_template", "f", "shapedirs", "posedirs", "J_regressor", "weights", "kintree_table"})
-      if (const PickleValue* value = pickle.root().Find(name))
-        arrays_[name] = ArrayOf(path_, name, *value);
-  }
-
-  std::string path_;
-  std::map<std::string, NpyArray> arrays_;
-};
+int Integer(const Npz& arrays, const std::string& name, int low, int high) {
+  return IntegerAt(arrays, name, arrays.Get(name, {}), 0, low, high);
+}
 
 std::vector<float> ToFloats(const std::vector<double>& values) {
   return {values.begin(), values.end()};
@@ -142,20 +113,23 @@ void DropTrailingZeroDirections(std::vector<float>& directions, size_t rows) {
   directions.shrink_to_fit();
 }
 
-void ReadShapeDirections(const ModelArrays& arrays, FlameModel& model) {
+void ReadShapeDirections(const Npz& arrays, FlameModel& model) {
   const size_t v = model.vertex_count;
-  const std::string name = arrays.NameOf("shapedirs");
-  const NpyArray& array = arrays.Get(name, {v, 3, 0});
+  const std::string name = NameOf(arrays, "shapedirs");
+  const NpyArray& array = arrays.Get(name, {model.vertex_count, 3, -1});
   const size_t total = array.shape[2];
   size_t shapes = std::min(total, kShapeDirectionsInFlame);
   if (arrays.Has("n_shape") || arrays.Has("n_expr")) {
-    shapes = arrays.Integer("n_shape", 0, int(std::min<size_t>(total, 1 << 20)));
-    const size_t expressions = arrays.Integer("n_expr", 0, 1 << 20);
+    shapes = Integer(arrays, "n_shape", 0, int(std::min<size_t>(total, 1 << 20)));
+    const size_t expressions = Integer(arrays, "n_expr", 0, 1 << 20);
     if (shapes + expressions != total)
       throw Error(arrays.path(),
                   name,
-                  "has shape " + ShapeText(array.shape) + ", but n_shape + n_expr = " +
-                      std::to_string(shapes) + " + " + std::to_string(expressions));
+                  Format("has shape [{}, 3, {}], but n_shape + n_expr = {} + {}",
+                         v,
+                         total,
+                         shapes,
+                         expressions));
   }
   model.shape_directions = DirectionsOf(array, 0, shapes);
   model.expression_directions = DirectionsOf(array, shapes, total - shapes);
@@ -165,40 +139,40 @@ void ReadShapeDirections(const ModelArrays& arrays, FlameModel& model) {
   model.expression_count = int(model.expression_directions.size() / (3 * v));
 }
 
-void ReadFaces(const ModelArrays& arrays, FlameModel& model) {
+void ReadFaces(const Npz& arrays, FlameModel& model) {
   const std::string name = arrays.Has("f") ? "f" : "faces";
-  const NpyArray& array = arrays.Get(name, {0, 3});
+  const NpyArray& array = arrays.Get(name, {-1, 3});
   model.faces.resize(array.shape[0]);
   for (size_t i = 0; i < array.size(); ++i)
-    model.faces[i / 3][i % 3] = arrays.IntegerAt(name, array, i, 0, model.vertex_count - 1);
+    model.faces[i / 3][i % 3] = IntegerAt(arrays, name, array, i, 0, model.vertex_count - 1);
 }
 
 // kintree_table: row 0 holds the parents (-1 for the root, possibly as unsigned), row 1 the joints.
-void ReadParents(const ModelArrays& arrays, FlameModel& model) {
+void ReadParents(const Npz& arrays, FlameModel& model) {
   const bool table = arrays.Has("kintree_table") || !arrays.Has("parents");
   const std::string name = table ? "kintree_table" : "parents";
   const NpyArray& array =
       table ? arrays.Get(name, {2, kFlameJoints}) : arrays.Get(name, {kFlameJoints});
   for (int j = 0; j < kFlameJoints; ++j) {
     const bool unsigned_root = array.values[j] >= 4294967295.0;
-    model.parents[j] = unsigned_root ? -1 : arrays.IntegerAt(name, array, j, -1, kFlameJoints - 1);
-    if (table) arrays.IntegerAt(name, array, kFlameJoints + j, j, j);
+    model.parents[j] = unsigned_root ? -1 : IntegerAt(arrays, name, array, j, -1, kFlameJoints - 1);
+    if (table) IntegerAt(arrays, name, array, kFlameJoints + j, j, j);
   }
 }
 
-void ReadLandmarks(const ModelArrays& arrays, FlameModel& model) {
+void ReadLandmarks(const Npz& arrays, FlameModel& model) {
   if (!arrays.Has("landmark_vertices")) return;
-  const NpyArray& indices = arrays.Get("landmark_indices", {0});
+  const NpyArray& indices = arrays.Get("landmark_indices", {-1});
   const size_t count = indices.size();
-  const NpyArray& vertices = arrays.Get("landmark_vertices", {count, 3});
-  const NpyArray& barycentric = arrays.Get("landmark_barycentric", {count, 3});
-  const NpyArray& looseness = arrays.Get("landmark_looseness", {count});
+  const NpyArray& vertices = arrays.Get("landmark_vertices", {long(count), 3});
+  const NpyArray& barycentric = arrays.Get("landmark_barycentric", {long(count), 3});
+  const NpyArray& looseness = arrays.Get("landmark_looseness", {long(count)});
   for (size_t i = 0; i < count; ++i) {
     EmbeddedLandmark point;
-    point.landmark = arrays.IntegerAt("landmark_indices", indices, i, 0, kMediapipePoints - 1);
+    point.landmark = IntegerAt(arrays, "landmark_indices", indices, i, 0, kMediapipePoints - 1);
     for (size_t k = 0; k < 3; ++k) {
       point.vertices[k] =
-          arrays.IntegerAt("landmark_vertices", vertices, 3 * i + k, 0, model.vertex_count - 1);
+          IntegerAt(arrays, "landmark_vertices", vertices, 3 * i + k, 0, model.vertex_count - 1);
       point.barycentric[k] = barycentric.values[3 * i + k];
     }
     point.looseness = looseness.values[i];
@@ -224,15 +198,15 @@ void AddLandmarks(const FlameModel& model, Npz& npz) {
 
 constexpr const char *kBlendshapes = "expression_blendshapes", *kScores = "expression_scores";
 
-void ReadExpressionNames(const ModelArrays& arrays, FlameModel& model) {
+void ReadExpressionNames(const Npz& arrays, FlameModel& model) {
   if (!arrays.Has(kBlendshapes)) return;
   const size_t count = size_t(model.expression_count);
-  const NpyArray& indices = arrays.Get(kBlendshapes, {count});
+  const NpyArray& indices = arrays.Get(kBlendshapes, {model.expression_count});
   for (size_t e = 0; e < count; ++e) {
-    const int at = arrays.IntegerAt(kBlendshapes, indices, e, -1, int(kArkitBlendshapes) - 1);
+    const int at = IntegerAt(arrays, kBlendshapes, indices, e, -1, int(kArkitBlendshapes) - 1);
     model.expression_names.emplace_back(at < 0 ? "" : kArkitNames[size_t(at)]);
   }
-  model.expression_scores = ToFloats(arrays.Get(kScores, {count}).values);
+  model.expression_scores = ToFloats(arrays.Get(kScores, {model.expression_count}).values);
   model.has_eyelids = count >= 2 && model.expression_names[count - 2] == "eyeBlinkLeft" &&
                       model.expression_names[count - 1] == "eyeBlinkRight";
 }
@@ -282,26 +256,26 @@ void ConvertToMetres(FlameModel& model) {
 FlameModel LoadFlameModel(const std::string& path) { return ParseFlameModel(path, ReadFile(path)); }
 
 FlameModel ParseFlameModel(const std::string& path, std::vector<char> bytes) {
-  const ModelArrays arrays(path, bytes);
+  const Npz arrays = ReadArrays(path, bytes);
   FlameModel model;
   model.name = path;  // for Validate's errors
-  const NpyArray& vertices = arrays.Get("v_template", {0, 3});
+  const NpyArray& vertices = arrays.Get("v_template", {-1, 3});
   if (vertices.shape[0] == 0 || vertices.shape[0] > (1 << 24))
-    throw Error(path, "v_template", "has shape " + ShapeText(vertices.shape));
-  const size_t v = vertices.shape[0];
+    throw Error(path, "v_template", Format("has shape [{}, 3]", vertices.shape[0]));
+  const long v = long(vertices.shape[0]);
   model.vertex_count = int(v);
   model.template_vertices = ToFloats(vertices.values);
   ReadFaces(arrays, model);
   ReadShapeDirections(arrays, model);
   model.pose_directions = DirectionsOf(
-      arrays.Get(arrays.NameOf("posedirs"), {v, 3, kFlamePoseFeatures}), 0, kFlamePoseFeatures);
+      arrays.Get(NameOf(arrays, "posedirs"), {v, 3, kFlamePoseFeatures}), 0, kFlamePoseFeatures);
   model.joint_regressor = ToFloats(arrays.Get("J_regressor", {kFlameJoints, v}).values);
   model.skinning_weights = ToFloats(arrays.Get("weights", {v, kFlameJoints}).values);
   ReadParents(arrays, model);
   ReadLandmarks(arrays, model);
   ReadExpressionNames(arrays, model);
   model.redistributable =
-      arrays.Has("redistributable") && arrays.Integer("redistributable", 0, 1) == 1;
+      arrays.Has("redistributable") && Integer(arrays, "redistributable", 0, 1) == 1;
   ConvertToMetres(model);
   Validate(model);
   model.name = std::filesystem::path(path).filename().string();

@@ -1,8 +1,10 @@
 #include "flame/io/pickle.h"
 
 #include <array>
+#include <utility>
 
 #include "flame/io/pickle_machine.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -53,39 +55,24 @@ std::string Printable(std::string_view text) {
   return text.size() > 60 ? out + "..." : out;
 }
 
+constexpr std::pair<uint8_t, const char*> kRefusedOpcodes[] = {{'i', "INST"},
+                                                               {'o', "OBJ"},
+                                                               {'P', "PERSID"},
+                                                               {0x82, "EXT1"},
+                                                               {0x83, "EXT2"},
+                                                               {0x84, "EXT4"},
+                                                               {0x8f, "EMPTY_SET"},
+                                                               {0x90, "ADDITEMS"},
+                                                               {0x91, "FROZENSET"},
+                                                               {0x92, "NEWOBJ_EX"},
+                                                               {0x96, "BYTEARRAY8"},
+                                                               {0x97, "NEXT_BUFFER"},
+                                                               {0x98, "READONLY_BUFFER"}};
+
 std::string NameOfRefusedOpcode(uint8_t opcode) {
-  switch (opcode) {
-    case 'i':
-      return "INST";
-    case 'o':
-      return "OBJ";
-    case 'P':
-      return "PERSID";
-    case 0x82:
-      return "EXT1";
-    case 0x83:
-      return "EXT2";
-    case 0x84:
-      return "EXT4";
-    case 0x8f:
-      return "EMPTY_SET";
-    case 0x90:
-      return "ADDITEMS";
-    case 0x91:
-      return "FROZENSET";
-    case 0x92:
-      return "NEWOBJ_EX";
-    case 0x96:
-      return "BYTEARRAY8";
-    case 0x97:
-      return "NEXT_BUFFER";
-    case 0x98:
-      return "READONLY_BUFFER";
-    default: {
-      constexpr char kHex[] = "0123456789abcdef";
-      return std::string("0x") + kHex[opcode >> 4] + kHex[opcode & 15];
-    }
-  }
+  for (const auto& [refused, name] : kRefusedOpcodes)
+    if (refused == opcode) return name;
+  return Format("0x{:02x}", opcode);
 }
 
 }  // namespace

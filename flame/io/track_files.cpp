@@ -7,6 +7,7 @@
 #include "flame/io/track_layouts.h"
 #include "splat/base/error.h"
 #include "splat/base/json.h"
+#include "splat/base/median.h"
 #include "splat/base/npz.h"
 
 namespace cosplat {
@@ -157,9 +158,7 @@ std::vector<float> MedianOf(const std::string& file,
     for (const std::vector<float>& row : rows)
       if (std::isfinite(row[k])) column.push_back(row[k]);
     if (column.empty()) throw Error(file, name, "has no finite coefficient " + std::to_string(k));
-    const auto middle = column.begin() + long(column.size() / 2);
-    std::nth_element(column.begin(), middle, column.end());
-    medians.push_back(*middle);
+    medians.push_back(Median(column));
   }
   return medians;
 }
@@ -201,6 +200,33 @@ void NoteTransposed(const std::string& file, size_t transposed, TrackedVideo& vi
   if (transposed > 0)
     video.notes.push_back(file + ": " + std::to_string(transposed) +
                           " matrices are in the order of columns and were transposed");
+}
+
+void LoadTransforms(const std::string& file,
+                    const std::string& folder,
+                    const TrackRequest& request,
+                    std::string (*load)(const JsonField&, Transforms&, TrackedFrame&),
+                    std::vector<TrackedFrame>& frames,
+                    TrackedVideo& video) {
+  const JsonField json(file, ReadJson(file));
+  const JsonField list = json["frames"];
+  Transforms of{folder, json, request, DataFiles(folder)};
+  for (size_t i = 0; i < list.size(); ++i) {
+    const JsonField field = list[i];
+    TrackedFrame frame;
+    frame.name = StemOf(field["file_path"].String());
+    frame.timestep = int(i);
+    frame.has_image = request.images != nullptr;
+    const std::string problem = load(field, of, frame);
+    KeepOrSkip(std::move(frame), problem, frames, video);
+  }
+  NoteTransposed(file, of.transposed, video);
+}
+
+void SortByTime(std::vector<TrackedFrame>& frames) {
+  std::stable_sort(frames.begin(), frames.end(), [](const TrackedFrame& a, const TrackedFrame& b) {
+    return a.timestep < b.timestep;
+  });
 }
 
 }  // namespace cosplat

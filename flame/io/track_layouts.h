@@ -135,6 +135,26 @@ std::string CopyTransform(const JsonField& field,
 // What is said of them.
 void NoteTransposed(const std::string& file, size_t transposed, TrackedVideo& video);
 
+// What the frames of a transforms file are read with.
+struct Transforms {
+  const std::string& folder;
+  const JsonField& file;
+  const TrackRequest& request;
+  DataFiles files;        // of the folder
+  size_t transposed = 0;  // matrices, as CopyTransform counts them
+};
+
+// Reads a file's frames. `load` fills one, which has its name and as time step its place in the
+// list, and returns why it is unusable, if it is. folder: of the files that frames name.
+void LoadTransforms(const std::string& file,
+                    const std::string& folder,
+                    const TrackRequest& request,
+                    std::string (*load)(const JsonField&, Transforms&, TrackedFrame&),
+                    std::vector<TrackedFrame>& frames,
+                    TrackedVideo& video);
+
+void SortByTime(std::vector<TrackedFrame>& frames);
+
 // Moves the last `count` time steps of video.train, with all cameras' frames, to video.test. Throws
 // Error if none would remain.
 void SplitLastFrames(int count, TrackedVideo& video);

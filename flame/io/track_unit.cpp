@@ -5,6 +5,7 @@
 
 #include "flame/io/track_layouts.h"
 #include "splat/base/error.h"
+#include "splat/base/median.h"
 
 namespace cosplat {
 namespace {
@@ -19,11 +20,6 @@ constexpr double kMaxPlace = 20, kMaxOffset = 0.5;
 // The place of camera and head over the distance between them at which 32 bits of a number leave
 // half a millimetre of a metre.
 constexpr double kFarthest = 1e4;
-
-double MedianOf(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + long(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
 
 template <class Action>
 void ForEachFrame(TrackedVideo& video, const Action& action) {
@@ -61,8 +57,8 @@ double UnitOf(TrackedVideo& video) {
                       " from the origin and " + std::to_string(depth) +
                       " from the head, too far for 32-bit numbers: move the track to the origin");
   });
-  if (!shares.empty()) return UnitByShare(MedianOf(shares));
-  return !places.empty() && MedianOf(places) > kMaxPlace ? 0.001 : 1;
+  if (!shares.empty()) return UnitByShare(Median(shares));
+  return !places.empty() && Median(places) > kMaxPlace ? 0.001 : 1;
 }
 
 }  // namespace

@@ -75,65 +75,37 @@ std::string SetVhapPose(const JsonField& field, size_t& transposed, Camera& came
   return problem.empty() ? SetPoseFromOpenGlWorldFromCam(matrix, camera) : problem;
 }
 
-std::string FindFiles(const JsonField& field,
-                      const fs::path& folder,
-                      DataFiles& files,
-                      const ImageFiles& images,
-                      TrackedFrame& frame) {
+std::string FindFiles(const JsonField& field, Transforms& of, TrackedFrame& frame) {
+  const fs::path folder = of.folder;
   const std::string image = field["file_path"].String();
-  frame.image_path = files.FindImage(image);
+  frame.image_path = of.files.FindImage(image);
   if (frame.image_path.empty()) return "image " + (folder / image).string() + " is missing";
   if (!field.Has("fg_mask_path")) return "";
   const std::string mask = field["fg_mask_path"].String();
-  frame.mask_path = files.FindImage(mask);
-  if (!frame.mask_path.empty() || images.Info(frame.image_path).channels == 4) return "";
+  frame.mask_path = of.files.FindImage(mask);
+  if (!frame.mask_path.empty() || of.request.images->Info(frame.image_path).channels == 4)
+    return "";
   return "mask " + (folder / mask).string() + " is missing";
 }
 
 // Fills `frame`; returns why it is unusable, if it is.
-std::string LoadFrame(const JsonField& file,
-                      const JsonField& field,
-                      const TrackRequest& request,
-                      DataFiles& files,
-                      size_t& transposed,
-                      TrackedFrame& frame) {
-  const fs::path folder = fs::path(file.file()).parent_path();
-  std::string problem = SetVhapPose(field["transform_matrix"], transposed, frame.camera);
+std::string LoadFrame(const JsonField& field, Transforms& of, TrackedFrame& frame) {
+  frame.timestep = int(field.NumberOr("timestep_index", frame.timestep));
+  frame.camera_index = int(field.NumberOr("camera_index", 0));
+  std::string problem = SetVhapPose(field["transform_matrix"], of.transposed, frame.camera);
   if (!problem.empty()) return problem;
-  const Camera lens = LensOfTransforms(file, field);
+  const Camera lens = LensOfTransforms(of.file, field);
   const std::string named = field["flame_param_path"].String();
-  const std::string found = files.Find(named);
-  const std::string params = found.empty() ? (folder / named).string() : found;
+  const std::string found = of.files.Find(named);
+  const std::string params = found.empty() ? (fs::path(of.folder) / named).string() : found;
   try {
     problem = ReadParams(params, frame.params);
-    if (problem.empty() && request.images)
-      problem = FindFiles(field, folder, files, *request.images, frame);
-    if (problem.empty()) problem = FinishTrackedFrame(lens, request, frame);
+    if (problem.empty() && of.request.images) problem = FindFiles(field, of, frame);
+    if (problem.empty()) problem = FinishTrackedFrame(lens, of.request, frame);
   } catch (const Error& error) {  // a damaged file only costs its frame
     problem = error.what();
   }
   return problem;
-}
-
-void LoadSplit(const std::string& json_path,
-               const TrackRequest& request,
-               std::vector<TrackedFrame>& frames,
-               TrackedVideo& video) {
-  const JsonField file(json_path, ReadJson(json_path));
-  const JsonField list = file["frames"];
-  DataFiles files(fs::path(json_path).parent_path().string());
-  size_t transposed = 0;
-  for (size_t i = 0; i < list.size(); ++i) {
-    const JsonField field = list[i];
-    TrackedFrame frame;
-    frame.name = StemOf(field["file_path"].String());
-    frame.timestep = int(field.NumberOr("timestep_index", double(i)));
-    frame.camera_index = int(field.NumberOr("camera_index", 0));
-    frame.has_image = request.images != nullptr;
-    const std::string problem = LoadFrame(file, field, request, files, transposed, frame);
-    KeepOrSkip(std::move(frame), problem, frames, video);
-  }
-  NoteTransposed(json_path, transposed, video);
 }
 
 // The file with the subject's parameters: canonical, or that of the first frame in the list.
@@ -148,22 +120,19 @@ std::string SubjectFile(const std::string& path) {
 }  // namespace
 
 void LoadVhapTrack(const std::string& path, const TrackRequest& request, TrackedVideo& video) {
-  LoadSplit(path + "/transforms_train.json", request, video.train, video);
-  for (const char* name : {"/transforms_test.json", "/transforms_val.json"}) {
-    if (!fs::exists(path + name)) continue;
-    LoadSplit(path + name, request, video.test, video);
-    break;
-  }
+  const auto load = [&](const std::string& file, std::vector<TrackedFrame>& frames) {
+    LoadTransforms(file, fs::path(file).parent_path().string(), request, LoadFrame, frames, video);
+  };
+  load(path + "/transforms_train.json", video.train);
+  const std::string test = FirstThatExists(path, {"transforms_test.json", "transforms_val.json"});
+  if (!test.empty()) load(test, video.test);
   CheckSkipped(path, video.train.size() + video.test.size(), video.skipped);
   // From the canonical file or otherwise the first frame's.
   ReadVhapSubject(Npz::Read(SubjectFile(path)), video);
   if (request.options.test_frames < 0) return;
   video.train.insert(video.train.end(), video.test.begin(), video.test.end());
   video.test.clear();
-  std::stable_sort(
-      video.train.begin(), video.train.end(), [](const TrackedFrame& a, const TrackedFrame& b) {
-        return a.timestep < b.timestep;
-      });
+  SortByTime(video.train);
   SplitLastFrames(request.options.test_frames, video);
 }
 

@@ -24,6 +24,8 @@ struct Camera {
   std::array<float, 3> translation{0, 0, 0};                 // world units
   float near_plane = kNearPlane;                             // > 0
 
+  bool operator==(const Camera&) const = default;
+
   // The camera's centre in the world: -R^T t.
   std::array<float, 3> Center() const {
     std::array<float, 3> c{};

@@ -37,12 +37,14 @@ using Image8 = BasicImage<uint8_t>;  // [0, 255]; four channels mean straight (u
 struct Crop {
   int x = 0, y = 0, width = 0, height = 0;
 
+  bool operator==(const Crop&) const = default;
   bool empty() const { return width <= 0 || height <= 0; }
 };
 
 // crop: within the image.
-inline Image8 Cropped(const Image8& image, const Crop& crop) {
-  Image8 part(crop.width, crop.height, image.channels);
+template <class T>
+BasicImage<T> Cropped(const BasicImage<T>& image, const Crop& crop) {
+  BasicImage<T> part(crop.width, crop.height, image.channels);
   const size_t row = size_t(crop.width) * size_t(image.channels);
   for (int y = 0; y < crop.height; ++y)
     std::copy_n(&image.at(crop.x, crop.y + y, 0), row, &part.at(0, y, 0));

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -17,18 +18,6 @@ static_assert(std::endian::native == std::endian::little, "numbers are copied as
 // has 32 bits for.
 constexpr size_t kMaxCount =
     size_t(std::min(uint64_t(1) << 48, uint64_t(std::numeric_limits<size_t>::max()) / 16));
-
-double HalfToDouble(uint16_t half) {
-  const int exponent = half >> 10 & 31;
-  const double mantissa = (half & 1023) / 1024.0;
-  const double sign = half & 0x8000 ? -1 : 1;
-  if (exponent == 31)
-    return mantissa != 0 ? std::numeric_limits<double>::quiet_NaN()
-                         : sign * std::numeric_limits<double>::infinity();
-  if (exponent == 0) return sign * mantissa / 16384;  // subnormal: 2^-14
-  return sign * (1 + mantissa) *
-         (exponent >= 15 ? 1 << (exponent - 15) : 1.0 / (1 << (15 - exponent)));
-}
 
 template <class T>
 double As(const char* p) {
@@ -154,6 +143,14 @@ size_t FortranIndex(const std::vector<size_t>& shape, size_t c_index) {
 }
 
 }  // namespace
+
+double HalfToDouble(uint16_t half) {
+  const int exponent = half >> 10 & 31, fraction = half & 1023;
+  double value =
+      exponent == 0 ? std::ldexp(fraction, -24) : std::ldexp(1024 + fraction, exponent - 25);
+  if (exponent == 31) value = fraction ? NAN : INFINITY;
+  return half >> 15 ? -value : value;
+}
 
 bool ParseNpy(const std::string& file,
               const std::string& member,

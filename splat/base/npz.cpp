@@ -8,16 +8,12 @@
 namespace cosplat {
 namespace {
 
-std::string ShapeText(const std::vector<size_t>& shape) {
-  std::string text = "[";
-  for (size_t i = 0; i < shape.size(); ++i) text += (i ? ", " : "") + std::to_string(shape[i]);
-  return text + "]";
-}
-
-std::string ShapeText(const std::vector<long>& shape) {
+// A negative extent is any.
+template <class T>
+std::string ShapeText(const std::vector<T>& shape) {
   std::string text = "[";
   for (size_t i = 0; i < shape.size(); ++i)
-    text += (i ? ", " : "") + (shape[i] < 0 ? std::string("*") : std::to_string(shape[i]));
+    text += (i ? ", " : "") + (std::cmp_less(shape[i], 0) ? "*" : std::to_string(shape[i]));
   return text + "]";
 }
 

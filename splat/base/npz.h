@@ -62,6 +62,9 @@ bool ParseNpy(const std::string& file,
               const std::vector<char>& bytes,
               NpyArray& array);
 
+// The number that a half float's bits are.
+double HalfToDouble(uint16_t half);
+
 // Format 1.0 in C order, int32 if that is the array's dtype, otherwise float32.
 std::string FormatNpy(const NpyArray& array);
 

@@ -8,46 +8,22 @@
 namespace cosplat {
 namespace {
 
-constexpr std::array<uint32_t, 64> FirstPrimes() {
-  std::array<uint32_t, 64> primes{};
-  size_t count = 0;
-  for (uint32_t n = 2; count < primes.size(); ++n) {
-    bool prime = true;
-    for (size_t i = 0; i < count; ++i) prime = prime && n % primes[i] != 0;
-    if (prime) primes[count++] = n;
-  }
-  return primes;
-}
-
-// The standard defines its constants as the first 32 bits of the fractional parts of square roots
-// (initial state) and cube roots (rounds) of the first primes. Found by bisection over integers:
-// the largest r with r^k <= prime * 2^(32k); its low 32 bits are the fraction.
-uint32_t RootFraction(uint32_t prime, int k) {
-  using Wide = unsigned __int128;
-  uint64_t low = 0, high = uint64_t(1) << 37;  // the roots are below 2^5
-  const Wide target = Wide(prime) << (32 * k);
-  while (high - low > 1) {
-    const uint64_t mid = (low + high) / 2;
-    const Wide power = k == 2 ? Wide(mid) * mid : Wide(mid) * mid * mid;  // below 2^111
-    (power <= target ? low : high) = mid;
-  }
-  return uint32_t(low);
-}
-
-struct Constants {
-  std::array<uint32_t, 64> round;
-  std::array<uint32_t, 8> state;
-  Constants() {
-    constexpr std::array<uint32_t, 64> primes = FirstPrimes();
-    for (int i = 0; i < 64; ++i) round[i] = RootFraction(primes[i], 3);
-    for (int i = 0; i < 8; ++i) state[i] = RootFraction(primes[i], 2);
-  }
+// FIPS 180-4, sections 4.2.2 and 5.3.3: of the rounds, and the initial state.
+constexpr std::array<uint32_t, 64> kRounds = {
+    0x428a2f98, 0x71374491, 0xb5c0fbcf, 0xe9b5dba5, 0x3956c25b, 0x59f111f1, 0x923f82a4, 0xab1c5ed5,
+    0xd807aa98, 0x12835b01, 0x243185be, 0x550c7dc3, 0x72be5d74, 0x80deb1fe, 0x9bdc06a7, 0xc19bf174,
+    0xe49b69c1, 0xefbe4786, 0x0fc19dc6, 0x240ca1cc, 0x2de92c6f, 0x4a7484aa, 0x5cb0a9dc, 0x76f988da,
+    0x983e5152, 0xa831c66d, 0xb00327c8, 0xbf597fc7, 0xc6e00bf3, 0xd5a79147, 0x06ca6351, 0x14292967,
+    0x27b70a85, 0x2e1b2138, 0x4d2c6dfc, 0x53380d13, 0x650a7354, 0x766a0abb, 0x81c2c92e, 0x92722c85,
+    0xa2bfe8a1, 0xa81a664b, 0xc24b8b70, 0xc76c51a3, 0xd192e819, 0xd6990624, 0xf40e3585, 0x106aa070,
+    0x19a4c116, 0x1e376c08, 0x2748774c, 0x34b0bcb5, 0x391c0cb3, 0x4ed8aa4a, 0x5b9cca4f, 0x682e6ff3,
+    0x748f82ee, 0x78a5636f, 0x84c87814, 0x8cc70208, 0x90befffa, 0xa4506ceb, 0xbef9a3f7, 0xc67178f2,
 };
+constexpr std::array<uint32_t, 8> kState = {
+    0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a, 0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
 
 class Hasher {
  public:
-  Hasher() : state_(constants_.state) {}
-
   void Block(const uint8_t* p) {
     std::array<uint32_t, 64> w;
     for (int i = 0; i < 16; ++i, p += 4)
@@ -61,7 +37,7 @@ class Hasher {
     for (int i = 0; i < 64; ++i) {
       const uint32_t sum1 = std::rotr(s[4], 6) ^ std::rotr(s[4], 11) ^ std::rotr(s[4], 25);
       const uint32_t choice = (s[4] & s[5]) ^ (~s[4] & s[6]);
-      const uint32_t t1 = s[7] + sum1 + choice + constants_.round[i] + w[i];
+      const uint32_t t1 = s[7] + sum1 + choice + kRounds[i] + w[i];
       const uint32_t sum0 = std::rotr(s[0], 2) ^ std::rotr(s[0], 13) ^ std::rotr(s[0], 22);
       const uint32_t majority = (s[0] & s[1]) ^ (s[0] & s[2]) ^ (s[1] & s[2]);
       s = {t1 + sum0 + majority, s[0], s[1], s[2], s[3] + t1, s[4], s[5], s[6]};
@@ -77,8 +53,7 @@ class Hasher {
   }
 
  private:
-  Constants constants_;
-  std::array<uint32_t, 8> state_;
+  std::array<uint32_t, 8> state_ = kState;
 };
 
 }  // namespace

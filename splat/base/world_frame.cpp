@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "splat/base/median.h"
 #include "splat/base/text.h"
 
 namespace cosplat {
@@ -11,13 +12,6 @@ namespace {
 
 constexpr double kSmall = 0.1;  // size below which a scene has small units
 constexpr double kFar = 100;    // spreads
-
-double MedianOf(std::vector<double>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Exact for decimals: below 1 a power of ten is only representable as a divisor.
 double RoundedTo(double value, int exponent) {
@@ -45,14 +39,14 @@ Middle MiddleOf(const std::vector<double>& points) {
   std::vector<double> values(points.size() / 3);
   for (size_t k = 0; k < 3; ++k) {
     for (size_t i = 0; i < values.size(); ++i) values[i] = points[3 * i + k];
-    middle.center[k] = MedianOf(values);
+    middle.center[k] = Median(values);
   }
   for (size_t i = 0; i < values.size(); ++i) {
     values[i] = 0;
     for (size_t k = 0; k < 3; ++k)
       values[i] = std::max(values[i], std::abs(points[3 * i + k] - middle.center[k]));
   }
-  middle.spread = MedianOf(values);
+  middle.spread = Median(values);
   return middle;
 }
 

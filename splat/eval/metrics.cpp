@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "splat/base/error.h"
+#include "splat/media/image_io.h"
 #include "splat/train/loss/loss.h"
 
 namespace cosplat {
@@ -77,10 +78,24 @@ std::optional<double> MaskedPsnr(const Image8& rendered, const Image8& truth, co
   return ToDecibel(sum, weight);
 }
 
-ImageMetrics CompareImages(const Image8& rendered,
-                           const Image8& truth,
-                           const Image8* mask,
-                           const Rectangle* region) {
+Image8 Inside(Image8 mask, const Crop& box) {
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x)
+      if (x < box.x || x >= box.x + box.width || y < box.y || y >= box.y + box.height)
+        mask.at(x, y, 0) = 0;
+  return mask;
+}
+
+Image8 OverBackground(const Image8& image, const std::array<float, 3>& background) {
+  Buffer<float> planar;
+  CompositeTarget(image, background, planar);
+  Image over(image.width, image.height, 3);
+  for (size_t i = 0; i < over.data.size(); ++i)
+    over.data[i] = planar[i % 3 * over.pixels() + i / 3];
+  return ToBytes(over);
+}
+
+ImageMetrics CompareImages(const Image8& rendered, const Image8& truth, const Image8* mask) {
   if (rendered.width != truth.width || rendered.height != truth.height || rendered.channels != 3 ||
       truth.channels != 3)
     throw Error("images",
@@ -97,17 +112,6 @@ ImageMetrics CompareImages(const Image8& rendered,
   if (mask) {
     m.psnr_mask = MaskedPsnr(rendered, truth, *mask);
     m.psnr_highlight = HighlightPsnr(rendered, truth, *mask);
-  }
-  if (region) {
-    double sum = 0, weight = 0;
-    for (int y = std::max(0, region->y); y < std::min(truth.height, region->y + region->height);
-         ++y)
-      for (int x = std::max(0, region->x); x < std::min(truth.width, region->x + region->width);
-           ++x) {
-        sum += SquaredDifference(rendered, truth, size_t(y) * truth.width + x);
-        weight += 1;
-      }
-    m.psnr_region = ToDecibel(sum, weight);
   }
   return m;
 }

@@ -101,24 +101,19 @@ void LoadColmapScene(const std::string& path, const SceneOptions& options, Scene
     view.name = image.name;
     const ColmapCamera& camera = model.cameras.at(image.camera_id);
     view.distortion = camera.distortion;
-    const PoseProblem problem =
+    std::string problem =
         SetPose(RotationMatrix(image.rotation), image.translation, view.camera, &view.center);
     const FoundImage found =
         FindInFolder(files, options.images, ForwardSlashes(image.name), options.resolution);
     view.image_path = found.path;
     elsewhere += found.elsewhere;
-    if (!problem.empty()) {
+    if (problem.empty() && found.path.empty())
+      problem = "image " + path + "/" + found.tried + " is missing";
+    if (problem.empty()) problem = Problem([&] { FinishView(camera.lens, found.divide_by, view); });
+    if (problem.empty())
+      scene.train.push_back(std::move(view));
+    else
       scene.skipped.push_back({image.name, problem});
-    } else if (found.path.empty()) {
-      scene.skipped.push_back({image.name, "image " + path + "/" + found.tried + " is missing"});
-    } else {
-      const std::string unusable = Problem([&] { FinishView(camera.lens, found.divide_by, view); });
-      if (unusable.empty()) {
-        scene.train.push_back(std::move(view));
-      } else {
-        scene.skipped.push_back({image.name, unusable});
-      }
-    }
   }
   NoteElsewhere(elsewhere, options.resolution, scene);
 }

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <type_traits>
 
 #include "splat/base/error.h"
 #include "splat/base/text.h"
@@ -12,25 +13,11 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "numbers are stored as glTF has them");
 
-// Begins at a multiple of 4 bytes, which the largest component type needs.
 template <class T>
-int AddValues(GlbDocument& document, View<const T> values, const GlbAccessor& accessor) {
-  const size_t numbers = values.size();
-  if (numbers == 0 || numbers % accessor.width != 0)
-    throw Error(document.path,
-                "accessors[" + std::to_string(document.accessors.size()) + "]",
-                "has " + std::to_string(numbers) + " numbers, expected a positive multiple of " +
-                    std::to_string(accessor.width));
-  document.binary.resize((document.binary.size() + 3) / 4 * 4);
-  GlbAccessor added = accessor;
-  added.count = numbers / accessor.width;
-  added.offset = document.binary.size();
-  added.stride = sizeof(T) * accessor.width;
-  const auto* bytes = reinterpret_cast<const unsigned char*>(values.data);
-  document.binary.insert(document.binary.end(), bytes, bytes + sizeof(T) * numbers);
-  document.accessors.push_back(added);
-  return int(document.accessors.size()) - 1;
-}
+constexpr int kComponent = std::is_same_v<T, float>      ? kGlbFloat
+                           : std::is_same_v<T, int16_t>  ? kGlbInt16
+                           : std::is_same_v<T, uint32_t> ? kGlbUint32
+                                                         : kGlbUint8;
 
 // The accessor; throws Error unless it has this component type and width.
 const GlbAccessor& Find(
@@ -51,60 +38,50 @@ const GlbAccessor& Find(
   return found;
 }
 
-template <class T>
-std::vector<T> Copy(const GlbDocument& document, const GlbAccessor& accessor) {
-  std::vector<T> values(accessor.count * accessor.width);
-  for (size_t i = 0; i < accessor.count; ++i)
-    std::memcpy(&values[i * accessor.width],
-                &document.binary[accessor.offset + i * accessor.stride],
-                accessor.width * sizeof(T));
-  return values;
-}
-
 }  // namespace
 
-int AddFloats(GlbDocument& document, View<const float> values, int width, GlbUse use) {
-  return AddValues(document, values, {kGlbFloat, width, 0, 0, 0, use});
+// Begins at a multiple of 4 bytes, which the largest component type needs.
+template <class T>
+int AddValues(GlbDocument& document, View<const T> values, int width, GlbUse use) {
+  const size_t numbers = values.size();
+  if (numbers == 0 || numbers % width != 0)
+    throw Error(document.path,
+                "accessors[" + std::to_string(document.accessors.size()) + "]",
+                "has " + std::to_string(numbers) + " numbers, expected a positive multiple of " +
+                    std::to_string(width));
+  document.binary.resize((document.binary.size() + 3) / 4 * 4);
+  document.accessors.push_back(
+      {kComponent<T>, width, numbers / width, document.binary.size(), sizeof(T) * width, use});
+  const auto* bytes = reinterpret_cast<const unsigned char*>(values.data);
+  document.binary.insert(document.binary.end(), bytes, bytes + sizeof(T) * numbers);
+  return int(document.accessors.size()) - 1;
 }
 
-int AddShorts(GlbDocument& document, View<const int16_t> values, GlbUse use) {
-  return AddValues(document, values, {kGlbInt16, 1, 0, 0, 0, use});
-}
-
-int AddUnsigned(GlbDocument& document, View<const uint32_t> values, GlbUse use) {
-  return AddValues(document, values, {kGlbUint32, 1, 0, 0, 0, use});
-}
-
-int AddBytes(GlbDocument& document, View<const char> values, GlbUse use) {
-  return AddValues(document, values, {kGlbUint8, 1, 0, 0, 0, use});
-}
-
-std::vector<float> ReadFloats(const GlbDocument& document,
-                              int accessor,
-                              int width,
-                              const std::string& field) {
-  auto values = Copy<float>(document, Find(document, accessor, kGlbFloat, width, field));
-  for (size_t i = 0; i < values.size(); ++i)
-    if (!std::isfinite(values[i]))
-      throw Error(
-          document.path, field, Format("element {} is not finite ({})", i / width, values[i]));
+template <class T>
+std::vector<T> ReadValues(const GlbDocument& document,
+                          int accessor,
+                          int width,
+                          const std::string& field) {
+  const GlbAccessor& found = Find(document, accessor, kComponent<T>, width, field);
+  std::vector<T> values(found.count * width);
+  for (size_t i = 0; i < found.count; ++i)
+    std::memcpy(
+        &values[i * width], &document.binary[found.offset + i * found.stride], width * sizeof(T));
+  if constexpr (std::is_same_v<T, float>)
+    for (size_t i = 0; i < values.size(); ++i)
+      if (!std::isfinite(values[i]))
+        throw Error(
+            document.path, field, Format("element {} is not finite ({})", i / width, values[i]));
   return values;
 }
 
-std::vector<int16_t> ReadShorts(const GlbDocument& document,
-                                int accessor,
-                                const std::string& field) {
-  return Copy<int16_t>(document, Find(document, accessor, kGlbInt16, 1, field));
-}
-
-std::vector<uint32_t> ReadUnsigned(const GlbDocument& document,
-                                   int accessor,
-                                   const std::string& field) {
-  return Copy<uint32_t>(document, Find(document, accessor, kGlbUint32, 1, field));
-}
-
-std::vector<char> ReadBytes(const GlbDocument& document, int accessor, const std::string& field) {
-  return Copy<char>(document, Find(document, accessor, kGlbUint8, 1, field));
-}
+template int AddValues(GlbDocument&, View<const float>, int, GlbUse);
+template int AddValues(GlbDocument&, View<const int16_t>, int, GlbUse);
+template int AddValues(GlbDocument&, View<const uint32_t>, int, GlbUse);
+template int AddValues(GlbDocument&, View<const char>, int, GlbUse);
+template std::vector<float> ReadValues(const GlbDocument&, int, int, const std::string&);
+template std::vector<int16_t> ReadValues(const GlbDocument&, int, int, const std::string&);
+template std::vector<uint32_t> ReadValues(const GlbDocument&, int, int, const std::string&);
+template std::vector<char> ReadValues(const GlbDocument&, int, int, const std::string&);
 
 }  // namespace cosplat

@@ -1,8 +1,7 @@
 // Binary glTF 2.0 files, to the extent that splats and meshes need: accessors over one binary
 // chunk, meshes, and extensions as JSON.
 //
-// writer: AddFloats, AddShorts, AddUnsigned -> GlbDocument -> WriteGlb;
-// reader: ReadGlb -> GlbDocument -> ReadFloats, ReadShorts, ReadUnsigned.
+// writer: AddValues -> GlbDocument -> WriteGlb; reader: ReadGlb -> GlbDocument -> ReadValues.
 // The bytes go through tinygltf (only glb_tinygltf.cpp includes it); since tinygltf validates
 // nothing, CheckGlb runs first.
 // Source: Khronos, glTF 2.0 specification, sections 3.6 (accessors) and 4 (GLB).
@@ -68,26 +67,19 @@ struct GlbDocument {
   bool has_transforms = false;  // of ReadGlb: a node has one that is not the identity
 };
 
-// Append values, tightly packed, and return the accessor's index. values: [count, width]. Throws
-// Error if count is 0, since an accessor cannot be empty.
-int AddFloats(GlbDocument& document, View<const float> values, int width, GlbUse use);
-int AddShorts(GlbDocument& document, View<const int16_t> values, GlbUse use);
-int AddUnsigned(GlbDocument& document, View<const uint32_t> values, GlbUse use);
-int AddBytes(GlbDocument& document, View<const char> values, GlbUse use);
+// Appends values, tightly packed, and returns the accessor's index. T: float, int16_t, uint32_t, or
+// char for bytes. values: [count, width]. Throws Error if count is 0, since an accessor cannot be
+// empty.
+template <class T>
+int AddValues(GlbDocument& document, View<const T> values, int width, GlbUse use);
 
 // [count, width] of an accessor; `field` names the reference to it in errors. Throws Error if there
 // is no such accessor, its component type or width differs, or (floats) a value is not finite.
-std::vector<float> ReadFloats(const GlbDocument& document,
-                              int accessor,
-                              int width,
-                              const std::string& field);
-std::vector<int16_t> ReadShorts(const GlbDocument& document,
-                                int accessor,
-                                const std::string& field);
-std::vector<uint32_t> ReadUnsigned(const GlbDocument& document,
-                                   int accessor,
-                                   const std::string& field);
-std::vector<char> ReadBytes(const GlbDocument& document, int accessor, const std::string& field);
+template <class T>
+std::vector<T> ReadValues(const GlbDocument& document,
+                          int accessor,
+                          int width,
+                          const std::string& field);
 
 // Atomic. Throws Error if the file would exceed GLB's 4 GiB.
 void WriteGlb(const GlbDocument& document);

@@ -34,7 +34,8 @@ void AddBounds(const GlbDocument& document,
                const GlbAccessor& accessor,
                tinygltf::Accessor& out,
                int index) {
-  const auto values = ReadFloats(document, index, accessor.width, Format("accessors[{}]", index));
+  const auto values =
+      ReadValues<float>(document, index, accessor.width, Format("accessors[{}]", index));
   out.minValues.assign(values.begin(), values.begin() + accessor.width);
   out.maxValues = out.minValues;
   for (size_t i = 0; i < values.size(); ++i) {

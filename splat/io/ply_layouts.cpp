@@ -20,13 +20,14 @@ constexpr size_t kChunkSize = 256;
 constexpr std::array<const char*, 4> kPacked{
     "packed_position", "packed_rotation", "packed_scale", "packed_color"};
 
-// Bounds along three axes.
-struct Bounds {
-  std::array<float, 3> low{0, 0, 0}, high{1, 1, 1};
-  double At(int axis, double share) const { return low[axis] * (1 - share) + high[axis] * share; }
-};
+// What a chunk has bounds of: positions, logarithms of scales and, except in older files, colours.
+constexpr std::array<const char*, 9> kBounded{
+    "x", "y", "z", "scale_x", "scale_y", "scale_z", "r", "g", "b"};
+constexpr int kScaleAxis = 3, kColorAxis = 6;
+
 struct Chunk {
-  Bounds position, scale_log, color;
+  std::array<float, 9> low{}, high{1, 1, 1, 1, 1, 1, 1, 1, 1};
+  double At(int axis, double share) const { return low[axis] * (1 - share) + high[axis] * share; }
 };
 
 // `count` bits of `packed` from bit `first` on, as a fraction of their largest value.
@@ -35,49 +36,30 @@ double Share(uint32_t packed, int first, int count) {
   return double(packed >> first & largest) / largest;
 }
 
-// Columns of one kind of bounds in a row of the element chunk.
-class BoundsColumns {
- public:
-  BoundsColumns(const PlyReader& reader, const std::array<const char*, 3>& axes) {
-    for (int k = 0; k < 3; ++k) {
-      low_[k] = reader.Require(std::string("min_") + axes[k]);
-      high_[k] = reader.Require(std::string("max_") + axes[k]);
-    }
-  }
-  Bounds Read(const PlyReader& reader, const std::vector<double>& row) const {
-    Bounds bounds;
-    for (int k = 0; k < 3; ++k) {
-      bounds.low[k] = Finite(reader, row, low_[k]);
-      bounds.high[k] = Finite(reader, row, high_[k]);
-    }
-    return bounds;
-  }
-
- private:
-  static float Finite(const PlyReader& reader, const std::vector<double>& row, int index) {
-    const float value = float(row[index]);
-    if (!std::isfinite(value)) reader.Fail(reader.properties()[index], "is not finite");
-    return value;
-  }
-  std::array<int, 3> low_, high_;
-};
-
 std::vector<Chunk> ReadChunks(PlyReader& reader) {
   reader.Enter("chunk");
-  const BoundsColumns position(reader, {"x", "y", "z"});
-  const BoundsColumns scale(reader, {"scale_x", "scale_y", "scale_z"});
-  std::vector<BoundsColumns> color;  // one entry, or none in older files
-  if (reader.Find("min_r") >= 0) color.emplace_back(reader, std::array{"r", "g", "b"});
+  std::vector<int> low, high;
+  const int axes = reader.Find("min_r") >= 0 ? int(kBounded.size()) : kColorAxis;
+  for (int k = 0; k < axes; ++k) {
+    low.push_back(reader.Require(std::string("min_") + kBounded[k]));
+    high.push_back(reader.Require(std::string("max_") + kBounded[k]));
+  }
   std::vector<Chunk> chunks(reader.count());
   for (Chunk& chunk : chunks) {
     const std::vector<double>& row = reader.Next();
-    chunk.position = position.Read(reader, row);
-    chunk.scale_log = scale.Read(reader, row);
-    for (const BoundsColumns& columns : color) chunk.color = columns.Read(reader, row);
-    for (const auto& bounds : {chunk.color.low, chunk.color.high})
-      for (const float color_bound : bounds)
-        if (!std::isfinite(DcOfColor(color_bound)))
-          reader.Fail("has a bound of colours of " + std::to_string(color_bound));
+    const auto finite = [&](int index) {
+      const float value = float(row[index]);
+      if (!std::isfinite(value)) reader.Fail(reader.properties()[index], "is not finite");
+      return value;
+    };
+    for (int k = 0; k < axes; ++k) {
+      chunk.low[k] = finite(low[k]);
+      chunk.high[k] = finite(high[k]);
+    }
+    for (const auto& bounds : {chunk.low, chunk.high})
+      for (int k = kColorAxis; k < axes; ++k)
+        if (!std::isfinite(DcOfColor(bounds[k])))
+          reader.Fail("has a bound of colours of " + std::to_string(bounds[k]));
   }
   return chunks;
 }
@@ -116,10 +98,10 @@ void UnpackVertex(const std::array<uint32_t, 4>& packed,
   const auto [position, rotation, scale, color] = packed;
   for (int k = 0; k < 3; ++k) {
     const double share = Share(position, kFirst[k], kCount[k]);
-    gaussians.at(kPosition, i)[k] = float(chunk.position.At(k, share));
+    gaussians.at(kPosition, i)[k] = float(chunk.At(k, share));
     gaussians.at(kScaleLog, i)[k] =
-        float(chunk.scale_log.At(k, Share(scale, kFirst[k], kCount[k])));
-    gaussians.at(kColorDc, i)[k] = DcOfColor(chunk.color.At(k, Share(color, 24 - 8 * k, 8)));
+        float(chunk.At(kScaleAxis + k, Share(scale, kFirst[k], kCount[k])));
+    gaussians.at(kColorDc, i)[k] = DcOfColor(chunk.At(kColorAxis + k, Share(color, 24 - 8 * k, 8)));
   }
   UnpackRotation(rotation, gaussians.at(kRotation, i));
   *gaussians.at(kOpacityLogit, i) = LogitOfByteShare(Share(color, 0, 8));

@@ -23,8 +23,6 @@ double Load(const char* p, bool big_endian) {
   return double(std::bit_cast<T>(bytes));
 }
 
-constexpr size_t kTypeBytes[] = {1, 1, 2, 2, 4, 4, 4, 8};  // of each PlyReader::Type
-
 bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
 constexpr size_t kLongestHeader = 1 << 20;  // programs put whole settings into comments
@@ -73,7 +71,7 @@ double PlyReader::CommentNumber(const std::string& word, double fallback) const 
 bool PlyReader::IsDouble(const std::string& name) const {
   return std::any_of(
       element_.properties.begin(), element_.properties.end(), [&](const Property& property) {
-        return property.name == name && property.type == Type::kDouble;
+        return property.name == name && property.type.bytes == sizeof(double);
       });
 }
 
@@ -103,7 +101,7 @@ void PlyReader::EnterNext() {
 size_t PlyReader::MinRowBytes() const {
   size_t bytes = 0;
   for (const Property& p : element_.properties)
-    bytes += ascii_ ? 2 : kTypeBytes[size_t(p.is_list ? p.count_type : p.type)];
+    bytes += ascii_ ? 2 : (p.is_list ? p.count_type : p.type).bytes;
   return std::max<size_t>(1, bytes);
 }
 
@@ -199,22 +197,22 @@ void PlyReader::HeaderLine(const std::string& line) {
 }
 
 PlyReader::Type PlyReader::TypeOf(const std::string& line, const std::string& name) const {
-  static const std::map<std::string, Type> kTypes{{"char", Type::kInt8},
-                                                  {"int8", Type::kInt8},
-                                                  {"uchar", Type::kUint8},
-                                                  {"uint8", Type::kUint8},
-                                                  {"short", Type::kInt16},
-                                                  {"int16", Type::kInt16},
-                                                  {"ushort", Type::kUint16},
-                                                  {"uint16", Type::kUint16},
-                                                  {"int", Type::kInt32},
-                                                  {"int32", Type::kInt32},
-                                                  {"uint", Type::kUint32},
-                                                  {"uint32", Type::kUint32},
-                                                  {"float", Type::kFloat},
-                                                  {"float32", Type::kFloat},
-                                                  {"double", Type::kDouble},
-                                                  {"float64", Type::kDouble}};
+  static const std::map<std::string, Type> kTypes{{"char", {1, Load<int8_t>}},
+                                                  {"int8", {1, Load<int8_t>}},
+                                                  {"uchar", {1, Load<uint8_t>}},
+                                                  {"uint8", {1, Load<uint8_t>}},
+                                                  {"short", {2, Load<int16_t>}},
+                                                  {"int16", {2, Load<int16_t>}},
+                                                  {"ushort", {2, Load<uint16_t>}},
+                                                  {"uint16", {2, Load<uint16_t>}},
+                                                  {"int", {4, Load<int32_t>}},
+                                                  {"int32", {4, Load<int32_t>}},
+                                                  {"uint", {4, Load<uint32_t>}},
+                                                  {"uint32", {4, Load<uint32_t>}},
+                                                  {"float", {4, Load<float>}},
+                                                  {"float32", {4, Load<float>}},
+                                                  {"double", {8, Load<double>}},
+                                                  {"float64", {8, Load<double>}}};
   const auto found = kTypes.find(name);
   if (found == kTypes.end())
     throw Error(path_, "header", "unknown type " + PlyQuote(name) + " in " + PlyQuote(line));
@@ -246,33 +244,14 @@ double PlyReader::ReadNumber(Type type, const Property& property) {
 }
 
 double PlyReader::ReadBinary(Type type, const Property& property) {
-  const size_t size = kTypeBytes[size_t(type)];
-  if (bytes_.size() - 1 - at_ < size)
+  if (bytes_.size() - 1 - at_ < type.bytes)
     throw Error(path_,
                 element_.name + " " + std::to_string(row_),
                 "the file ends at " + property.name + " after " + std::to_string(row_) +
                     " of them, expected " + std::to_string(element_.count));
   const char* p = bytes_.data() + at_;
-  at_ += size;
-  switch (type) {
-    case Type::kInt8:
-      return Load<int8_t>(p, big_endian_);
-    case Type::kUint8:
-      return Load<uint8_t>(p, big_endian_);
-    case Type::kInt16:
-      return Load<int16_t>(p, big_endian_);
-    case Type::kUint16:
-      return Load<uint16_t>(p, big_endian_);
-    case Type::kInt32:
-      return Load<int32_t>(p, big_endian_);
-    case Type::kUint32:
-      return Load<uint32_t>(p, big_endian_);
-    case Type::kFloat:
-      return Load<float>(p, big_endian_);
-    case Type::kDouble:
-      return Load<double>(p, big_endian_);
-  }
-  return 0;  // unreachable: all types are listed
+  at_ += type.bytes;
+  return type.load(p, big_endian_);
 }
 
 double PlyReader::ReadAscii(const Property& property) {

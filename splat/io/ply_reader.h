@@ -49,12 +49,15 @@ class PlyReader {
   const std::string& path() const { return path_; }
 
  private:
-  enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
+  struct Type {
+    size_t bytes = 0;
+    double (*load)(const char*, bool big_endian) = nullptr;
+  };
   struct Property {
     std::string name;
-    Type type = Type::kFloat;
+    Type type;
     bool is_list = false;
-    Type count_type = Type::kUint8;
+    Type count_type;  // of a list
   };
   struct Element {
     std::string name;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <optional>
 
 #include "splat/base/error.h"
@@ -80,9 +81,7 @@ class SogParser {
       Fail("version", "is missing: this is SOG of version 1, this program reads 2");
     const int version = meta["version"].Integer();
     if (version != kSogVersion) Fail("version", Format("is {}, this program reads 2", version));
-    const int count = meta["count"].Integer();
-    if (count < 1) Fail("count", "is " + std::to_string(count));
-    count_ = size_t(count);
+    count_ = size_t(meta["count"].Integer(1, std::numeric_limits<int>::max()));
     std::vector<std::string> names;
     for (const char* property : {"means", "scales", "quats", "sh0", "shN"}) {
       if (!meta.Has(property)) continue;
@@ -97,7 +96,7 @@ class SogParser {
     g.basis = Basis::kSh;
     if (IsAntialiased())
       SetAntialiased(files_.path(), meta_.NumberOr(kLowPassField, kBlurVariance), g);
-    g.degree = meta_.Has("shN") ? Bands() : 0;
+    g.degree = meta_.Has("shN") ? meta_["shN"]["bands"].Integer(1, 3) : 0;
     for (size_t k = 0; k < 3 && meta_.Has(kSogOrigin); ++k)
       g.origin[k] = meta_[kSogOrigin][k].Number();
     g.Resize(count_);
@@ -117,11 +116,6 @@ class SogParser {
   bool IsAntialiased() const {
     if (meta_.Has("model")) return meta_["model"].raw() == "antialiased";
     return meta_.Has("antialias") && meta_["antialias"].raw() == true;
-  }
-  int Bands() const {
-    const int bands = meta_["shN"]["bands"].Integer();
-    if (bands < 1 || bands > 3) Fail("shN.bands", "is " + std::to_string(bands) + ", not 1 to 3");
-    return bands;
   }
   std::vector<float> CodebookOf(const char* property) const {
     return meta_[property]["codebook"].Numbers(kSogCodebook);
@@ -189,9 +183,7 @@ class SogParser {
     }
   }
   void ReadBands(Gaussians& g) const {
-    const int colors = meta_["shN"]["count"].Integer();
-    if (colors < 1 || colors > kSogMaxPalette)
-      Fail("shN.count", "is " + std::to_string(colors) + ", not 1 to 65536");
+    const int colors = meta_["shN"]["count"].Integer(1, kSogMaxPalette);
     const std::vector<float> codebook = CodebookOf("shN");
     const int coefficients = CoefficientCount(g.degree) - 1;
     const int width = kSogPaletteRow * coefficients;

@@ -16,39 +16,6 @@ namespace {
 constexpr const char* kAntialiased = "antialiased";  // in the extension's extras
 const std::string kPrefix = std::string(kSplatExtension) + ":";
 
-// One attribute's array, [count, width].
-struct Column {
-  std::string name;
-  int width;
-  std::vector<float> values;
-};
-
-Column MakeColumn(const std::string& name, int width, size_t count) {
-  return {name, width, std::vector<float>(width * count)};
-}
-
-int Add(GlbDocument& document, const Column& column, GlbUse use) {
-  for (size_t i = 0; i < column.values.size(); ++i)
-    if (!std::isfinite(column.values[i]))
-      throw Error(document.path,
-                  "Gaussian " + std::to_string(i / column.width) + ", " + column.name,
-                  "is not finite (" + std::to_string(column.values[i]) + ")");
-  return AddFloats(document, column.values, column.width, use);
-}
-
-// Exponentials are computed in double, so that their rounding to float, and hence the file's bytes,
-// do not depend on the machine's math library.
-void FillGeometry(const Gaussians& g, size_t i, Column& rotation, Column& scale, Column& opacity) {
-  const float* r = g.at(kRotation, i);
-  math::Quat<float> q{r[0], r[1], r[2], r[3]};
-  if (std::isfinite(math::Dot(q, q))) q = math::Normalize(q);
-  const std::array<float, 4> xyzw{q.x, q.y, q.z, q.w};
-  std::copy(xyzw.begin(), xyzw.end(), &rotation.values[4 * i]);
-  for (int k = 0; k < 3; ++k)
-    scale.values[3 * i + k] = float(std::exp(double(g.at(kScaleLog, i)[k])));
-  opacity.values[i] = float(math::Sigmoid(double(*g.at(kOpacityLogit, i))));
-}
-
 bool HasSplats(const GlbPrimitive& primitive) {
   return primitive.extensions.is_object() && primitive.extensions.contains(kSplatExtension);
 }
@@ -71,7 +38,7 @@ std::vector<float> ReadAttribute(const GlbDocument& document,
   const auto found = primitive.attributes.find(name);
   if (found == primitive.attributes.end())
     throw Error(document.path, name, "is missing from the splats");
-  std::vector<float> values = ReadFloats(document, found->second, width, name);
+  std::vector<float> values = ReadValues<float>(document, found->second, width, name);
   if (count != 0 && values.size() != size_t(width) * count)
     throw Error(document.path,
                 name,
@@ -116,31 +83,42 @@ GlbPrimitive AddSplats(GlbDocument& document, const Gaussians& gaussians, bool t
             ", other programs read degrees up to 3: request truncation to drop higher bands");
   GlbPrimitive primitive;
   primitive.mode = kGlbPoints;
-  const auto add = [&](const Column& column, GlbUse use = GlbUse::kAttribute) {
-    primitive.attributes[column.name] = Add(document, column, use);
+  // fill(i, out): the floats of Gaussian i.
+  const auto add = [&](const std::string& name, int width, GlbUse use, const auto& fill) {
+    std::vector<float> values(width * n);
+    for (size_t i = 0; i < n; ++i) fill(i, &values[width * i]);
+    for (size_t i = 0; i < values.size(); ++i)
+      if (!std::isfinite(values[i]))
+        throw Error(document.path,
+                    "Gaussian " + std::to_string(i / width) + ", " + name,
+                    "is not finite (" + std::to_string(values[i]) + ")");
+    primitive.attributes[name] = AddValues<float>(document, values, width, use);
   };
-  Column position = MakeColumn("POSITION", 3, n);
-  std::copy_n(gaussians.at(kPosition, 0), 3 * n, position.values.begin());
-  add(position, GlbUse::kPosition);
-  Column rotation = MakeColumn(kPrefix + "ROTATION", 4, n);
-  Column scale = MakeColumn(kPrefix + "SCALE", 3, n);
-  Column opacity = MakeColumn(kPrefix + "OPACITY", 1, n);
+  add("POSITION", 3, GlbUse::kPosition, [&](size_t i, float* xyz) {
+    std::copy_n(gaussians.at(kPosition, i), 3, xyz);
+  });
   Gaussians sh = gaussians;
   ConvertBasis(sh, Basis::kSh);
   HideWithoutRotation(sh);
-  for (size_t i = 0; i < n; ++i) FillGeometry(sh, i, rotation, scale, opacity);
-  add(rotation);
-  add(scale);
-  add(opacity);
+  add(kPrefix + "ROTATION", 4, GlbUse::kAttribute, [&](size_t i, float* xyzw) {
+    const float* r = sh.at(kRotation, i);
+    math::Quat<float> q{r[0], r[1], r[2], r[3]};
+    if (std::isfinite(math::Dot(q, q))) q = math::Normalize(q);
+    std::copy_n(std::array{q.x, q.y, q.z, q.w}.begin(), 4, xyzw);
+  });
+  // Exponentials are computed in double, so that their rounding to float, and hence the file's
+  // bytes, do not depend on the machine's math library.
+  add(kPrefix + "SCALE", 3, GlbUse::kAttribute, [&](size_t i, float* scale) {
+    for (int k = 0; k < 3; ++k) scale[k] = float(std::exp(double(sh.at(kScaleLog, i)[k])));
+  });
+  add(kPrefix + "OPACITY", 1, GlbUse::kAttribute, [&](size_t i, float* opacity) {
+    *opacity = float(math::Sigmoid(double(*sh.at(kOpacityLogit, i))));
+  });
   const int coefficients = CoefficientCount(std::min(sh.degree, kMaxSplatFileDegree));
-  for (int k = 0; k < coefficients; ++k) {
-    Column color = MakeColumn(SplatCoefficientName(k), 3, n);
-    for (size_t i = 0; i < n; ++i)
-      std::copy_n(k == 0 ? sh.at(kColorDc, i) : sh.at(kColorRest, i) + 3 * (k - 1),
-                  3,
-                  &color.values[3 * i]);
-    add(color);
-  }
+  for (int k = 0; k < coefficients; ++k)
+    add(SplatCoefficientName(k), 3, GlbUse::kAttribute, [&](size_t i, float* rgb) {
+      std::copy_n(k == 0 ? sh.at(kColorDc, i) : sh.at(kColorRest, i) + 3 * (k - 1), 3, rgb);
+    });
   primitive.extensions[kSplatExtension] = {{"kernel", "ellipse"},
                                            {"colorSpace", "srgb_rec709_display"},
                                            {"projection", "perspective"},

@@ -9,6 +9,8 @@
 #include "splat/base/compression.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/median.h"
+#include "splat/base/npz.h"
 #include "splat/base/text.h"
 #include "splat/io/color_weights.h"
 #include "splat/io/packed_values.h"
@@ -64,15 +66,6 @@ void PutFixed(int32_t value, unsigned char* out) {
 int32_t GetFixed(const unsigned char* in) {
   const uint32_t bits = uint32_t(in[0]) << 8 | uint32_t(in[1]) << 16 | uint32_t(in[2]) << 24;
   return int32_t(bits) >> 8;  // carries the sign down
-}
-
-float OfHalf(const unsigned char* in) {
-  const uint32_t bits = uint32_t(in[0]) | uint32_t(in[1]) << 8;
-  const int exponent = int(bits >> 10 & 31), fraction = int(bits & 1023);
-  double value =
-      exponent == 0 ? std::ldexp(fraction, -24) : std::ldexp(1024 + fraction, exponent - 25);
-  if (exponent == 31) value = fraction ? NAN : INFINITY;
-  return float(bits >> 15 ? -value : value);
 }
 
 // Versions 1 and 2: x, y and z, each -1..1 in a byte; w >= 0 follows.
@@ -146,10 +139,8 @@ int FractionalBits(const std::string& path, const Gaussians& g) {
         which = i;
       }
   }
-  std::nth_element(smallest.begin(), smallest.begin() + smallest.size() / 2, smallest.end());
   constexpr double kStepOfSmallest = 1.0 / 16, kMaxBits = 24;
-  const double wanted =
-      std::ceil(-std::log2(kStepOfSmallest * std::exp(smallest[smallest.size() / 2])));
+  const double wanted = std::ceil(-std::log2(kStepOfSmallest * std::exp(Median(smallest))));
   constexpr int32_t kLargestFixed = (1 << 23) - 1;
   const double fits = farthest > 0 ? std::floor(std::log2(kLargestFixed / farthest)) : kMaxBits;
   if (fits < 0)
@@ -324,7 +315,7 @@ void UnpackPosition(const std::string& path,
                     float* out) {
   for (int k = 0; k < 3; ++k) {
     out[k] = header.version == 1
-                 ? OfHalf(in + 2 * k)
+                 ? float(HalfToDouble(uint16_t(in[2 * k] | in[2 * k + 1] << 8)))
                  : float(std::ldexp(GetFixed(in + 3 * k), -int(header.fractional_bits)));
     if (!std::isfinite(out[k]))
       throw Error(path, "positions", "of splat " + std::to_string(i) + " is not finite");

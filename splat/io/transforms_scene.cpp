@@ -151,7 +151,6 @@ void LoadFrames(const JsonField& file,
                 const SceneOptions& options,
                 std::vector<SceneView>& views,
                 SceneData& scene) {
-  std::vector<SkippedFrame>& skipped = scene.skipped;
   const fs::path folder = fs::path(file.file()).parent_path();
   const JsonField frames = file[list];
   DataFiles files(folder.string());
@@ -162,35 +161,31 @@ void LoadFrames(const JsonField& file,
     const std::string named = frame["file_path"].String();
     SceneView view;
     view.name = ImageName(named);
-    const PoseProblem problem = SetFramePose(frame["transform_matrix"], transposed, view);
+    std::string problem = SetFramePose(frame["transform_matrix"], transposed, view);
     const FoundImage found = FindImage(files, named, options.resolution);
     view.image_path = found.path;
     elsewhere += found.elsewhere;
     const std::string mask = frame.Has("mask_path") ? frame["mask_path"].String() : "";
     if (!mask.empty()) view.mask_path = files.FindImage(mask);
-    if (!problem.empty()) {
-      skipped.push_back({view.name, problem});
-    } else if (found.path.empty()) {
-      skipped.push_back({view.name, "image " + (folder / found.tried).string() + " is missing"});
-    } else if (!mask.empty() && view.mask_path.empty()) {
-      skipped.push_back({view.name, "mask " + (folder / mask).string() + " is missing"});
-    } else {
+    if (problem.empty() && found.path.empty())
+      problem = "image " + (folder / found.tried).string() + " is missing";
+    if (problem.empty() && !mask.empty() && view.mask_path.empty())
+      problem = "mask " + (folder / mask).string() + " is missing";
+    ImageInfo info;
+    if (problem.empty()) {
       // Without w and h the intrinsics belong to the full-size image.
       const std::string full = files.FindImage(named);
       view.distortion = DistortionOf(fields);
-      const std::string sized = full.empty() ? found.path : full;
-      ImageInfo info;
-      std::string unusable = Problem([&] { info = ReadImageInfo(sized); });
-      if (unusable.empty()) {
-        const Camera lens = LensOf(fields, info);  // missing fields fail the whole file
-        unusable = Problem([&] { FinishView(lens, found.divide_by, view); });
-      }
-      if (unusable.empty()) {
-        views.push_back(std::move(view));
-      } else {
-        skipped.push_back({view.name, unusable});
-      }
+      problem = Problem([&] { info = ReadImageInfo(full.empty() ? found.path : full); });
     }
+    if (problem.empty()) {
+      const Camera lens = LensOf(fields, info);  // missing fields fail the whole file
+      problem = Problem([&] { FinishView(lens, found.divide_by, view); });
+    }
+    if (problem.empty())
+      views.push_back(std::move(view));
+    else
+      scene.skipped.push_back({view.name, problem});
   }
   NoteElsewhere(elsewhere, options.resolution, scene);
   if (transposed > 0)

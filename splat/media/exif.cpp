@@ -116,6 +116,7 @@ ExifInfo ParseExif(const std::vector<char>& bytes) {
 }
 
 Image8 Upright(const Image8& image, int orientation) {
+  if (orientation == 1) return image;
   const bool swaps = orientation >= 5;
   const bool flips_x = orientation == 2 || orientation == 3 || orientation >= 7;
   const bool flips_y = orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;

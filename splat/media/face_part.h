@@ -1,8 +1,10 @@
-// The part of a person's matte that has the face.
+// Where a face is, and the part of a person's matte that has it.
 //
 // MatteRefiner (refine_mattes.h) starts from it.
 #pragma once
 
+#include <array>
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -10,8 +12,14 @@
 
 namespace cosplat {
 
+// px
 struct FaceBox {
-  double left = 0, top = 0, right = 0, bottom = 0;  // px
+  double left = HUGE_VAL, top = HUGE_VAL, right = -HUGE_VAL, bottom = -HUGE_VAL;
+
+  double width() const { return right - left; }
+  double height() const { return bottom - top; }
+  double size() const { return std::sqrt(width() * height()); }  // side of a square of its area
+  std::array<double, 2> middle() const { return {(left + right) / 2, (top + bottom) / 2}; }
 };
 
 // Clears what of a person's matte is nearer to one of the other faces, in units of their sizes.

@@ -23,20 +23,6 @@ bool IsJpeg(const std::vector<char>& bytes) {
   return bytes.size() >= 3 && std::memcmp(bytes.data(), "\xff\xd8\xff", 3) == 0;
 }
 
-// Calls `visit(type, data, size)` for every complete chunk until it returns false. Returns whether
-// `visit` returned false; if not, the file ended first.
-using ChunkVisitor = std::function<bool(const char* type, const char* data, size_t size)>;
-bool WalkPng(const std::vector<char>& bytes, const ChunkVisitor& visit) {
-  size_t at = 8;
-  while (bytes.size() - at >= 12) {
-    const size_t size = BigEndian(bytes.data() + at, 4);
-    if (bytes.size() - at - 12 < size) return false;
-    if (!visit(bytes.data() + at + 4, bytes.data() + at + 8, size)) return true;
-    at += 12 + size;
-  }
-  return false;
-}
-
 bool ParsePngHeader(const std::vector<char>& bytes, ImageInfo& info) {
   if (bytes.size() < 33 || std::memcmp(bytes.data() + 12, "IHDR", 4) != 0) return false;
   info.width = int(BigEndian(bytes.data() + 16, 4));
@@ -56,13 +42,17 @@ bool ParsePngHeader(const std::vector<char>& bytes, ImageInfo& info) {
 }
 
 void CheckPng(const std::string& path, const std::vector<char>& bytes) {
-  const bool complete = WalkPng(bytes, [&](const char* type, const char* data, size_t size) {
+  for (size_t at = 8; bytes.size() - at >= 12;) {
+    const size_t size = BigEndian(bytes.data() + at, 4);
+    const char* type = bytes.data() + at + 4;
+    if (bytes.size() - at - 12 < size) break;
     const bool critical = (type[0] & 0x20) == 0;
-    if (critical && Crc32(type, size + 4) != BigEndian(data + size, 4))
+    if (critical && Crc32(type, size + 4) != BigEndian(type + 4 + size, 4))
       throw Error(path, "is damaged: checksum of chunk " + std::string(type, 4) + " is wrong");
-    return std::memcmp(type, "IEND", 4) != 0;
-  });
-  if (!complete) throw Error(path, "is truncated after " + std::to_string(bytes.size()) + " bytes");
+    if (std::memcmp(type, "IEND", 4) == 0) return;
+    at += 12 + size;
+  }
+  throw Error(path, "is truncated after " + std::to_string(bytes.size()) + " bytes");
 }
 
 bool HasLength(uint8_t marker) {

@@ -17,6 +17,16 @@
 namespace cosplat {
 namespace {
 
+// Keeps OpenCV from writing to stderr, since failures are reported as Error. Only the first call
+// has an effect.
+void QuietOpenCv() {
+  static const bool once = [] {
+    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+    return true;
+  }();
+  (void)once;
+}
+
 std::string ExtensionOf(const std::string& path) {
   const size_t dot = path.rfind('.');
   return dot == std::string::npos ? "" : LowerCase(path.substr(dot));
@@ -163,14 +173,6 @@ std::vector<cv::Point2d> Divided(const std::vector<cv::Point2d>& rays,
 
 }  // namespace
 
-void QuietOpenCv() {
-  static const bool once = [] {
-    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-    return true;
-  }();
-  (void)once;
-}
-
 ImageInfo ReadImageInfo(const std::string& path) {
   // Metadata (EXIF, colour profiles) may precede the size: read more until the header is complete.
   constexpr size_t kFirst = 1 << 16, kLast = 1 << 22;
@@ -196,9 +198,7 @@ Image8 ReadImage(const std::string& path) {
 
 Image8 ReadUpright(const std::string& path) {
   const std::vector<char> bytes = ReadFile(path);
-  Image8 image = ToImage8(SwapRedBlue(Decode(path, bytes)));
-  const int orientation = ParseExif(bytes).orientation;
-  return orientation == 1 ? image : Upright(image, orientation);
+  return Upright(ToImage8(SwapRedBlue(Decode(path, bytes))), ParseExif(bytes).orientation);
 }
 
 std::vector<uint8_t> EncodeImage(const std::string& path, const Image8& image) {

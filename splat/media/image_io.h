@@ -63,6 +63,8 @@ bool SaysAlpha(const Image8& image);
 
 // RGB of an RGB or RGBA image.
 Image8 RgbOf(const Image8& image);
+// One of an image's channels.
+Image8 ChannelOf(const Image8& image, int channel);
 
 // One channel, 0 to 255: of an alpha that is not opaque everywhere, else of the colours. By the
 // first of these that holds:
@@ -166,9 +168,5 @@ bool LacksJpegEnd(const std::vector<char>& bytes);
 // progressive JPEG lacks its end-of-image marker, or if either has more than 2^28 pixels or more
 // than its bytes can hold. Other file types pass.
 void CheckImageIsComplete(const std::string& path, const std::vector<char>& bytes);
-
-// Keeps OpenCV from writing to stderr, since failures are reported as Error. Must be
-// called before any of their functions; only the first call has an effect.
-void QuietOpenCv();
 
 }  // namespace cosplat

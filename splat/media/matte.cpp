@@ -42,6 +42,13 @@ Image8 RgbOf(const Image8& image) {
   return rgb;
 }
 
+Image8 ChannelOf(const Image8& image, int channel) {
+  Image8 out(image.width, image.height, 1);
+  for (size_t i = 0; i < out.pixels(); ++i)
+    out.data[i] = image.data[size_t(image.channels) * i + size_t(channel)];
+  return out;
+}
+
 Image8 MatteOf(const Image8& mask) {
   Image8 matte(mask.width, mask.height, 1);
   const bool by_alpha = SaysAlpha(mask);

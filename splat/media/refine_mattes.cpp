@@ -231,34 +231,20 @@ void ByBackground(const Image& frame,
   }
 }
 
-struct Cell {
-  int left, top, right, bottom;  // px, the last ones excluded
-};
-
 // The extent of what is above 0, with a margin: nothing else is worked on. The first pixel if
 // nothing is.
-Cell Around(const Image& person, int margin) {
-  Cell cell{person.width, person.height, 0, 0};
+Crop Around(const Image& person, int margin) {
+  int left = person.width, top = person.height, right = 0, bottom = 0;  // the last ones excluded
   for (int y = 0; y < person.height; ++y)
     for (int x = 0; x < person.width; ++x)
       if (person.at(x, y, 0) > 0) {
-        cell.left = std::min(cell.left, x), cell.right = std::max(cell.right, x + 1);
-        cell.top = std::min(cell.top, y), cell.bottom = std::max(cell.bottom, y + 1);
+        left = std::min(left, x), right = std::max(right, x + 1);
+        top = std::min(top, y), bottom = std::max(bottom, y + 1);
       }
-  if (cell.right == 0) return {0, 0, 1, 1};
-  return {std::max(cell.left - margin, 0),
-          std::max(cell.top - margin, 0),
-          std::min(cell.right + margin, person.width),
-          std::min(cell.bottom + margin, person.height)};
-}
-
-Image Cut(const Image& image, const Cell& cell) {
-  Image part(cell.right - cell.left, cell.bottom - cell.top, image.channels);
-  for (int y = 0; y < part.height; ++y)
-    std::copy_n(&image.at(cell.left, cell.top + y, 0),
-                size_t(part.width) * size_t(part.channels),
-                &part.at(0, y, 0));
-  return part;
+  if (right == 0) return {0, 0, 1, 1};
+  left = std::max(left - margin, 0), right = std::min(right + margin, person.width);
+  top = std::max(top - margin, 0), bottom = std::min(bottom + margin, person.height);
+  return {left, top, right - left, bottom - top};
 }
 
 constexpr float kHaze = 0.03f;  // of a codec's noise, in the background's difference
@@ -295,16 +281,16 @@ Image8 MatteRefiner::Refine(int frame) const {
   Image8 matte = video_.matte(frame);
   TakeOut(things_, image, background_, matte);
   const Image person = PersonOf(matte, video_.face(frame), r.window);
-  const Cell cell = Around(person, 3 * r.window);
-  const Image part = Cut(image, cell), raw = Cut(person, cell), rim = RimOf(raw, r.rim);
+  const Crop crop = Around(person, 3 * r.window);
+  const Image part = Cropped(image, crop), raw = Cropped(person, crop), rim = RimOf(raw, r.rim);
   Image result = GuidedRim(part, raw, rim, r);
-  const StillBackground behind{Cut(background_.color, cell), Cut(background_.noise, cell)};
+  const StillBackground behind{Cropped(background_.color, crop), Cropped(background_.noise, crop)};
   ByBackground(part, behind, raw, rim, r, result);
   for (float& alpha : result.data) alpha = (alpha - kHaze) / (1 - 2 * kHaze);  // ToBytes clamps
   const Image8 found = ToBytes(result);
   std::fill(matte.data.begin(), matte.data.end(), uint8_t(0));
   for (int y = 0; y < found.height; ++y)
-    std::copy_n(&found.at(0, y, 0), found.width, &matte.at(cell.left, cell.top + y, 0));
+    std::copy_n(&found.at(0, y, 0), found.width, &matte.at(crop.x, crop.y + y, 0));
   return matte;
 }
 

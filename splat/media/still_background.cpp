@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "splat/base/median.h"
 #include "splat/media/image_filters.h"
 
 namespace cosplat {
@@ -16,12 +17,6 @@ constexpr float kMaxNoise = 7.f / 255;
 // Frames that must show a pixel of the background, of all, and at least.
 constexpr float kMinShare = 0.08f;
 constexpr size_t kMinFrames = 4;
-
-float Median(std::vector<float>& values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // What the eight bits of something at rest differ by in most frames, as a codec leaves them, and
 // what its edges do.

@@ -25,19 +25,15 @@ namespace av = libav;
 
 constexpr double kMaxStretched = 8;  // anamorphic formats stay below 2
 
-// One of the eight ways in which a rectangle can lie: columns and rows exchanged first, then either
-// reversed.
-struct Orientation {
-  bool exchanged = false, columns_reversed = false, rows_reversed = false;
-};
-
 // FFmpeg's display matrix maps (p, q) of the stored image to x = a p + c q, y = b p + d q of the
 // shown one, rows downwards; {a, b, u, c, d, v, ...}. Angles between quarter turns go to the
-// nearest.
-Orientation OrientationOf(const int32_t* matrix) {
+// nearest. As EXIF numbers orientations (Upright).
+int OrientationOf(const int32_t* matrix) {
   const double a = matrix[0], b = matrix[1], c = matrix[3], d = matrix[4];
-  if (std::abs(a) + std::abs(d) >= std::abs(b) + std::abs(c)) return {false, a < 0, d < 0};
-  return {true, c < 0, b < 0};
+  const bool exchanged = std::abs(a) + std::abs(d) < std::abs(b) + std::abs(c);
+  const bool columns_reversed = (exchanged ? c : a) < 0, rows_reversed = (exchanged ? b : d) < 0;
+  const int reversed = rows_reversed ? (columns_reversed ? 3 : 4) : (columns_reversed ? 2 : 1);
+  return exchanged ? 4 + reversed : reversed;
 }
 
 // What a container says of a track beside its packets; null if it does not, or in too few bytes.
@@ -111,22 +107,6 @@ std::optional<BrightnessPlane> BrightnessOf(const AVFrame& frame) {
                          frame.height};
 }
 
-Image8 Turned(const Image8& image, Orientation to) {
-  if (!to.exchanged && !to.columns_reversed && !to.rows_reversed) return image;
-  const int n = image.channels;
-  Image8 turned(
-      to.exchanged ? image.height : image.width, to.exchanged ? image.width : image.height, n);
-  for (int y = 0; y < turned.height; ++y) {
-    for (int x = 0; x < turned.width; ++x) {
-      const int u = to.columns_reversed ? turned.width - 1 - x : x;
-      const int v = to.rows_reversed ? turned.height - 1 - y : y;
-      const size_t from = to.exchanged ? size_t(u) * image.width + v : size_t(v) * image.width + u;
-      std::copy_n(&image.data[from * n], n, &turned.data[(size_t(y) * turned.width + x) * n]);
-    }
-  }
-  return turned;
-}
-
 bool HasAlpha(const AVFrame& frame) {
   const AVPixFmtDescriptor* format = av_pix_fmt_desc_get(AVPixelFormat(frame.format));
   return format != nullptr && (format->flags & AV_PIX_FMT_FLAG_ALPHA) != 0;
@@ -161,7 +141,7 @@ struct VideoReader::Impl {
   // What the first pass found in all frames.
   int count = 0;
   double frames_per_second = 0;
-  Orientation orientation;
+  int orientation = 1;                      // EXIF's number
   int width = 0, height = 0;                // shown, before it is turned
   int stored_width = 0, stored_height = 0;  // of the first frame
   bool alpha = false;
@@ -395,7 +375,7 @@ Image8 VideoReader::Impl::Converted() {
     else
       std::copy_n(row, size_t(image.channels) * to_width, pixels);
   }
-  return Turned(image, orientation);
+  return Upright(image, orientation);
 }
 
 VideoReader::VideoReader(const std::string& path) : impl_(std::make_unique<Impl>()) {

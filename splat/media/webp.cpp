@@ -10,13 +10,6 @@
 namespace cosplat {
 namespace {
 
-struct FreePicture {
-  void operator()(WebPPicture* picture) const { WebPPictureFree(picture); }
-};
-struct ClearWriter {
-  void operator()(WebPMemoryWriter* writer) const { WebPMemoryWriterClear(writer); }
-};
-
 // WebPFeatures::format of a lossless image.
 constexpr int kLossless = 2;
 
@@ -34,10 +27,11 @@ std::string EncodeWebp(const std::string& path, const std::string& field, const 
   config.exact = 1;
   config.method = kMethod;
   config.quality = kEffort;
-  const std::unique_ptr<WebPPicture, FreePicture> freed(&picture);
+  const std::unique_ptr<WebPPicture, decltype(&WebPPictureFree)> freed(&picture, WebPPictureFree);
   WebPMemoryWriter memory;
   WebPMemoryWriterInit(&memory);
-  const std::unique_ptr<WebPMemoryWriter, ClearWriter> cleared(&memory);
+  const std::unique_ptr<WebPMemoryWriter, decltype(&WebPMemoryWriterClear)> cleared(
+      &memory, WebPMemoryWriterClear);
   picture.use_argb = 1;
   picture.width = image.width;
   picture.height = image.height;

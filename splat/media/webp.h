@@ -9,8 +9,6 @@
 
 namespace cosplat {
 
-constexpr int kMaxWebpSide = 16383;  // of the format
-
 // image: four channels, RGBA. The same image gives the same bytes. Throws Error naming `path` and
 // `field` if a side is not 1 to 16383.
 std::string EncodeWebp(const std::string& path, const std::string& field, const Image8& image);

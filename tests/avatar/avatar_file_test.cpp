@@ -191,7 +191,7 @@ TEST_F(AvatarFile, ABustComesBackToo) {
     ASSERT_GT(model.mesh.faces.size(), flame_.faces.size());
     model.embedding.triangle[5] = int32_t(model.mesh.faces.size()) - 1;
     WriteAvatarGlb(path_, model, &flame_);
-    EXPECT_TRUE(SummarizeGlb(path_).avatar->has_bust);
+    EXPECT_TRUE(SummarizeGlb(path_).avatar->model.bust);
     EXPECT_EQ(SummarizeGlb(path_).avatar->version, 1);
     BustFollow& follow = model.bust->follow.emplace();
     follow.head_mean = {0.1f, 0.2f, 0.3f, 4, 5, 6, 7, 8, 9};
@@ -200,7 +200,7 @@ TEST_F(AvatarFile, ABustComesBackToo) {
     follow.max.fill(0.2f);
     WriteAvatarGlb(path_, model, &flame_);
     EXPECT_EQ(SummarizeGlb(path_).avatar->version, 3);
-    EXPECT_TRUE(SummarizeGlb(path_).avatar->bust_follows);
+    EXPECT_TRUE(SummarizeGlb(path_).avatar->model.bust->follow);
     AvatarModel read = ReadAvatarGlb(path_);
     EXPECT_EQ(read.mesh.faces.empty(), !redistributable);
     AttachMesh(read, flame_);
@@ -329,7 +329,7 @@ TEST_F(AvatarFile, CorrectionsComeBackInStepsOf16Bits) {
   ExpectSameAvatar(model, read);
   const GlbSummary summary = SummarizeGlb(path_);
   EXPECT_EQ(summary.avatar.value().version, 4);
-  EXPECT_EQ(summary.avatar->corrections, 3);
+  EXPECT_EQ(summary.avatar->model.gaussians.corrections, 3);
   EXPECT_TRUE(Contains(ToString(summary), "3 corrections"));
   // Other programs see the Gaussians as they are at rest.
   const Gaussians rest = RestPose(model);
@@ -461,7 +461,7 @@ TEST_F(AvatarFile, DegreeFourOnlyWhenToldToTruncate) {
   WriteAvatarGlb(path_, model, &flame_, {.truncate_degree = true});
   const GlbSummary summary = SummarizeGlb(path_);
   EXPECT_EQ(summary.degree, 3);
-  EXPECT_EQ(summary.avatar.value().degree, 4);
+  EXPECT_EQ(summary.avatar.value().model.gaussians.degree, 4);
 }
 
 TEST_F(AvatarFile, Summary) {
@@ -474,8 +474,9 @@ TEST_F(AvatarFile, Summary) {
   EXPECT_EQ(summary.avatar->vertex_count, size_t(flame_.vertex_count));
   EXPECT_EQ(summary.avatar->face_count, flame_.faces.size());
   EXPECT_EQ(summary.avatar->expression_count, 4u);
-  EXPECT_EQ(summary.avatar->shape_count, 2u);
-  EXPECT_TRUE(summary.avatar->has_mesh && summary.avatar->has_static_offset);
+  EXPECT_EQ(summary.avatar->model.shape.size(), 2u);
+  EXPECT_FALSE(summary.avatar->model.mesh.faces.empty() ||
+               summary.avatar->model.static_offset.empty());
   const std::string text = ToString(summary);
   for (const char* part :
        {"20 Gaussians", "dcsh", "surface", "ball.npz", "4 morph targets", "COSPLAT_mesh_binding"})

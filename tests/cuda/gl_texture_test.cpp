@@ -183,7 +183,7 @@ TEST_F(DeviceWindow, ShowsWhatStayedOnTheDevice) {
 }
 
 TEST_F(DeviceWindow, CapturesWhatStayedOnTheDevice) {
-  session.SetSequence("talk", OpeningMouth(3), 25);
+  session.SetSequence(OpeningMouth(3), 25);
   session.timeline.Pause();
   Open(kSmall);
   Press(GLFW_KEY_S);

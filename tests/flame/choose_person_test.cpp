@@ -5,18 +5,18 @@
 namespace cosplat {
 namespace {
 
-LandmarkBox BoxAt(double x, double y, double size) {
+FaceBox BoxAt(double x, double y, double size) {
   return {x - size / 2, y - size / 2, x + size / 2, y + size / 2};
 }
 
 // Two people beside each other, of whom now one and now the other is a little larger, and found
 // first; in some frames one of them is not found.
 TEST(ChoosePerson, StaysWithOneOfTwo) {
-  std::vector<std::vector<LandmarkBox>> boxes;
+  std::vector<std::vector<FaceBox>> boxes;
   std::vector<std::optional<size_t>> right;
   for (int f = 0; f < 60; ++f) {
-    const LandmarkBox a = BoxAt(300 + f, 200, 105 + 8 * (f % 3));
-    const LandmarkBox b = BoxAt(600 - f, 210, 100 + 8 * ((f + 1) % 3));
+    const FaceBox a = BoxAt(300 + f, 200, 105 + 8 * (f % 3));
+    const FaceBox b = BoxAt(600 - f, 210, 100 + 8 * ((f + 1) % 3));
     if (f % 10 == 4) {
       boxes.push_back({b});
       right.push_back(std::nullopt);
@@ -41,7 +41,7 @@ TEST(ChoosePerson, StaysWithOneOfTwo) {
     }
   }
   // The other one was seen before.
-  const Person other = ChoosePerson(boxes, std::vector<LandmarkBox>(60, BoxAt(560, 200, 110)));
+  const Person other = ChoosePerson(boxes, std::vector<FaceBox>(60, BoxAt(560, 200, 110)));
   for (size_t f = 0; f < boxes.size(); ++f) {
     EXPECT_EQ(other.face[f].has_value(), f % 10 != 7) << f;
     if (other.face[f]) {
@@ -53,7 +53,7 @@ TEST(ChoosePerson, StaysWithOneOfTwo) {
 // A face on the wall that is found once, which the head passes later; and one face that was found
 // twice, in overlapping windows.
 TEST(ChoosePerson, OneHeadIsOneWhereverItGoes) {
-  std::vector<std::vector<LandmarkBox>> boxes;
+  std::vector<std::vector<FaceBox>> boxes;
   for (int f = 0; f < 40; ++f) boxes.push_back({BoxAt(100 + 20 * f, 300, 100)});
   boxes[2].push_back(BoxAt(700, 300, 60));
   boxes[9].insert(boxes[9].begin(), BoxAt(284, 302, 90));
@@ -71,7 +71,7 @@ TEST(ChoosePerson, OneHeadIsOneWhereverItGoes) {
 
 // Someone comes in for half of the video, and near.
 TEST(ChoosePerson, WhoStaysComesFirst) {
-  std::vector<std::vector<LandmarkBox>> boxes(40, {BoxAt(100, 300, 100)});
+  std::vector<std::vector<FaceBox>> boxes(40, {BoxAt(100, 300, 100)});
   for (size_t f = 20; f < 40; ++f) boxes[f].insert(boxes[f].begin(), BoxAt(600, 300, 300));
   const Person person = ChoosePerson(boxes);
   for (size_t f = 0; f < boxes.size(); ++f) EXPECT_EQ(person.face[f], f < 20 ? 0u : 1u) << f;

@@ -13,8 +13,8 @@
 namespace cosplat {
 namespace {
 
-ImavatarTrack TrackOfHead() {
-  ImavatarTrack track;
+TrackedVideo TrackOfHead() {
+  TrackedVideo track;
   track.shape = test::HeadShape();
   for (int i = 0; i < test::kHeadFrames; ++i) {
     const test::HeadFrame head = test::HeadAt(i);
@@ -35,19 +35,20 @@ ImavatarTrack TrackOfHead() {
     }
     frame.params.expression = head.expression;
     frame.params.eyelids = head.eyelids;
-    track.frames.push_back(frame);
+    track.train.push_back(frame);
   }
   track.static_offset = {0.001f, -0.25f, 3};
-  track.boxes.resize(track.frames.size());
   return track;
 }
 
+const std::vector<std::array<float, 4>> kBoxes(test::kHeadFrames);
+
 TEST(ImavatarWriter, IsReadAsTheSameHead) {
   const test::TemporaryFolder folder;
-  ImavatarTrack track = TrackOfHead();
-  WriteImavatarTrack(folder.path(), track);
+  TrackedVideo track = TrackOfHead();
+  WriteImavatarTrack(folder.path(), track, kBoxes);
   MakeDirectories(folder / "image");
-  for (const TrackedFrame& frame : track.frames)
+  for (const TrackedFrame& frame : track.train)
     WriteImage(folder / ("image/" + frame.name + ".png"),
                Image8(test::kHeadSide, test::kHeadSide, 4, 255));
   const TrackedVideo read = LoadTrackedVideo(folder.path(), {});
@@ -55,9 +56,9 @@ TEST(ImavatarWriter, IsReadAsTheSameHead) {
   EXPECT_EQ(read.static_offset, track.static_offset);
   const FlameModel model = test::HeadModel();
   const std::vector<TrackedFrame> frames = test::AllFrames(read);
-  ASSERT_EQ(frames.size(), track.frames.size());
+  ASSERT_EQ(frames.size(), track.train.size());
   for (size_t i = 0; i < frames.size(); ++i) {
-    EXPECT_EQ(frames[i].params.eyelids, track.frames[i].params.eyelids);
+    EXPECT_EQ(frames[i].params.eyelids, track.train[i].params.eyelids);
     EXPECT_LT(test::LargestDifference(test::TrackPixels(model, read.shape, frames[i]),
                                       test::HeadPixels(model, int(i))),
               0.01);
@@ -66,9 +67,7 @@ TEST(ImavatarWriter, IsReadAsTheSameHead) {
 
 TEST(ImavatarWriter, HoldsOutAsManyFramesAsAsked) {
   const test::TemporaryFolder folder;
-  ImavatarTrack track = TrackOfHead();
-  track.test_frames = 5;
-  WriteImavatarTrack(folder.path(), track);
+  WriteImavatarTrack(folder.path(), TrackOfHead(), kBoxes, 5);
   const Json json = ReadJson(folder / "flame_params.json");
   EXPECT_EQ(json["test_frames"], 5);
 }
@@ -83,9 +82,9 @@ TEST(ImavatarWriter, FramesTheMask) {
 // Coefficients mean nothing to a model with another mesh.
 TEST(ImavatarWriter, SaysWhichMeshTheTrackIsOf) {
   const test::TemporaryFolder folder;
-  ImavatarTrack track = TrackOfHead();
-  track.vertices = 40;
-  WriteImavatarTrack(folder.path(), track);
+  TrackedVideo track = TrackOfHead();
+  track.model_vertices = 40;
+  WriteImavatarTrack(folder.path(), track, kBoxes);
   const FlameModel same = test::RandomModel(40, 100, 100), other = test::RandomModel(41, 100, 100);
   EXPECT_EQ(LoadDrivingSequence(folder.path()).model_vertices, 40);
   EXPECT_NO_THROW(LoadDrivingSequence(folder.path(), &same));
@@ -93,7 +92,7 @@ TEST(ImavatarWriter, SaysWhichMeshTheTrackIsOf) {
                     {folder.path(), "40 vertices", "41"});
   // Of equal meshes, those of two versions of our own head.
   track.model_sha256 = "abc";
-  WriteImavatarTrack(folder.path(), track);
+  WriteImavatarTrack(folder.path(), track, kBoxes);
   FlameModel version = same;
   version.sha256 = "abc";
   EXPECT_NO_THROW(LoadDrivingSequence(folder.path(), &version));
@@ -102,8 +101,8 @@ TEST(ImavatarWriter, SaysWhichMeshTheTrackIsOf) {
                     {folder.path(), "sha256 abc", "def"});
   track.model_sha256.clear();
   // Where it is not said, it is FLAME's: not that of a model with landmarks of its own.
-  track.vertices = 0;
-  WriteImavatarTrack(folder.path(), track);
+  track.model_vertices = 0;
+  WriteImavatarTrack(folder.path(), track, kBoxes);
   FlameModel own = same;
   own.landmarks = {{33, {0, 1, 2}, {1, 0, 0}}};
   EXPECT_NO_THROW(LoadDrivingSequence(folder.path(), &other));

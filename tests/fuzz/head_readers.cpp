@@ -123,7 +123,7 @@ std::string ReadDrivingNpz(const std::string& folder, const std::string&) {
 
 Strings ImavatarSeeds() {
   const TemporaryFolder folder;
-  ImavatarTrack track;
+  TrackedVideo track;
   track.shape = {0.5f, -0.25f};
   for (int i = 0; i < 4; ++i) {
     TrackedFrame frame;
@@ -132,10 +132,9 @@ Strings ImavatarSeeds() {
     frame.camera.fx = frame.camera.fy = 60;
     frame.camera.translation = {0, 0, 1};
     frame.params.expression = {0.1f * float(i), 0.5f};
-    track.frames.push_back(frame);
-    track.boxes.push_back({-0.5f, -0.5f, 0.5f, 0.5f});
+    track.train.push_back(frame);
   }
-  WriteImavatarTrack(folder.path(), track);
+  WriteImavatarTrack(folder.path(), track, {4, {-0.5f, -0.5f, 0.5f, 0.5f}});
   return {Slurped(folder / "flame_params.json")};
 }
 

@@ -9,7 +9,6 @@
 #include "splat/device/cuda/stream.h"
 #include "splat/eval/metrics.h"
 #include "splat/media/image_io.h"
-#include "splat/train/loss/loss.h"
 #include "splat/train/step/step_engine.h"
 #include "tests/gpu/packed_scene.h"
 
@@ -60,14 +59,6 @@ Options Parse(const std::vector<std::string>& arguments) {
   return o;
 }
 
-Image8 BytesOf(const Buffer<float>& planar, const Camera& camera) {
-  RenderedImage image;
-  image.width = camera.width;
-  image.height = camera.height;
-  image.color = planar;
-  return ToBytes(image.ToImage());
-}
-
 void Evaluate(const TrainOptions& o,
               const std::vector<TrainFrame>& test,
               const Trainer& trainer,
@@ -77,12 +68,10 @@ void Evaluate(const TrainOptions& o,
   const Gaussians g = trainer.CaughtUp();
   const RenderSettings render{o.EvaluationBackground(), trainer.active_degree()};
   RenderedImage image;
-  Buffer<float> truth;
   for (const TrainFrame& frame : test) {
     rasterizer->Forward(ViewOf(g), g.basis, frame.camera, render, image, *tape);
-    CompositeTarget(frame.target, render.background, truth);
     const ImageMetrics metrics =
-        CompareImages(BytesOf(image.color, frame.camera), BytesOf(truth, frame.camera));
+        CompareImages(ToBytes(image.ToImage()), OverBackground(frame.target, render.background));
     result.psnr += metrics.psnr / double(test.size());
     result.ssim += metrics.ssim / double(test.size());
   }

@@ -243,7 +243,7 @@ TEST_F(GlbTest, AnyMemberReplacedByAnythingNeverCrashes) {
         for (const GlbMesh& mesh : document.meshes)
           for (const GlbPrimitive& primitive : mesh.primitives)
             for (const auto& [name, accessor] : primitive.attributes)
-              ReadFloats(document, accessor, 3, name);
+              ReadValues<float>(document, accessor, 3, name);
       });
       refused += !error.empty();
       EXPECT_TRUE(error.empty() || error.find(path_) == 0) << error;
@@ -274,7 +274,7 @@ TEST_F(GlbTest, ValuesThatAreNotFiniteAreNotRead) {
   const float nan = NAN;
   std::memcpy(glb.binary.data() + 12, &nan, sizeof(nan));
   const GlbDocument document = Parse(test::JoinGlb(glb));
-  const std::string error = ErrorOf([&] { ReadFloats(document, 0, 3, "POSITION"); });
+  const std::string error = ErrorOf([&] { ReadValues<float>(document, 0, 3, "POSITION"); });
   EXPECT_NE(error.find("POSITION: element 1"), std::string::npos) << error;
 }
 

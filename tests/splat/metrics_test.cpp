@@ -17,7 +17,6 @@ TEST(CompareImages, KnownValues) {
   EXPECT_NEAR(m.psnr, 13.9794, 1e-4);
   EXPECT_LT(m.ssim, 0.01);
   EXPECT_FALSE(m.psnr_mask);
-  EXPECT_FALSE(m.psnr_region);
   const ImageMetrics same = CompareImages(grey, grey);
   EXPECT_EQ(same.psnr, 100);
   EXPECT_NEAR(same.ssim, 1, 1e-6);
@@ -55,15 +54,15 @@ TEST(CompareImages, TheHighlightIsTheBrightestFiftiethOfTheMask) {
   EXPECT_FALSE(CompareImages(rendered, truth).psnr_highlight);
 }
 
-TEST(CompareImages, TheRegionIsCutToTheImage) {
+TEST(MaskedPsnr, ABoxIsCutToTheImage) {
   Image8 truth(6, 6, 3), rendered(6, 6, 3);
   for (int c = 0; c < 3; ++c) rendered.at(5, 5, c) = 255;
-  const Rectangle corner{4, 4, 10, 10}, left{-5, 0, 8, 6}, outside{10, 10, 3, 3};
-  EXPECT_NEAR(CompareImages(rendered, truth, nullptr, &corner).psnr_region.value(),
-              -10 * std::log10(0.25),
-              1e-9);
-  EXPECT_EQ(CompareImages(rendered, truth, nullptr, &left).psnr_region, 100);
-  EXPECT_FALSE(CompareImages(rendered, truth, nullptr, &outside).psnr_region);
+  const auto inside = [&](const Crop& box) {
+    return MaskedPsnr(rendered, truth, Inside(Image8(6, 6, 1, 255), box));
+  };
+  EXPECT_NEAR(inside({4, 4, 10, 10}).value(), -10 * std::log10(0.25), 1e-9);
+  EXPECT_EQ(inside({-5, 0, 8, 6}), 100);
+  EXPECT_FALSE(inside({10, 10, 3, 3}));
 }
 
 TEST(CompareImages, SizesThatDisagree) {

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "apps/cosplat/run/frame_source.h"
-#include "apps/cosplat/run/picture_bars.h"
 #include "splat/base/files.h"
 #include "splat/base/rng.h"
 #include "tests/support/temporary_folder.h"
@@ -92,7 +91,7 @@ TEST(FrameSource, LeavesBarsOut) {
     WriteImage(images + "/" + std::to_string(i) + ".png", Frame(Beside::kBlur, Beside::kBlur));
   FrameSource frames(images);
   ExpectBetween(kBegin, kEnd, frames.picture().x, frames.width());
-  EXPECT_EQ(frames.whole_width(), frames.width());
+  EXPECT_EQ(frames.picture().width, frames.width());
   EXPECT_EQ(frames.height(), kHeight);
   ASSERT_EQ(frames.notes().size(), 1u);
   EXPECT_NE(frames.notes()[0].find("of 320x180: the bars beside it"), std::string::npos)

@@ -12,7 +12,7 @@ namespace cosplat::test {
 inline Gaussians DecodeSplats(const GlbDocument& document, const GlbPrimitive& primitive) {
   const std::string prefix = "KHR_gaussian_splatting:";
   const auto read = [&](const std::string& name, int width) {
-    return ReadFloats(document, primitive.attributes.at(name), width, name);
+    return ReadValues<float>(document, primitive.attributes.at(name), width, name);
   };
   const auto position = read("POSITION", 3), rotation = read(prefix + "ROTATION", 4);
   const auto scale = read(prefix + "SCALE", 3), opacity = read(prefix + "OPACITY", 1);

@@ -26,7 +26,7 @@ constexpr size_t kJaw = 2;
 
 Session DrivenSession(int frames) {
   Session session(PaintedHead());
-  session.SetSequence("talk", OpeningMouth(frames), 25);
+  session.SetSequence(OpeningMouth(frames), 25);
   return session;
 }
 
@@ -67,7 +67,7 @@ TEST(Session, SaysWhereNobodyFilmed) {
   turned.pose[0] =
       math::AxisAngleOf(math::Multiply(math::QuatOfAxisAngle(std::array<float, 3>{0, -0.3f, 0}),
                                        math::QuatOfAxisAngle(turned.pose[0])));
-  session.SetSequence("turned", {turned}, 25);
+  session.SetSequence({turned}, 25);
   EXPECT_FALSE(session.IsBeyondFilm());
   session.camera.Orbit(0, 0.6f);
   EXPECT_TRUE(session.IsBeyondFilm());

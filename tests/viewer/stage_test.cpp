@@ -91,7 +91,7 @@ TEST(Stage, ScenesWithLevelsKeepThePaceOfAShot) {
   EXPECT_LT(difference(Drawn(stage, shot)), 0.02);
   Shot hurried = shot;
   hurried.pace = Pace::kMoving;
-  EXPECT_FALSE(SameShot(shot, hurried));
+  EXPECT_FALSE(shot == hurried);
   Drawn(stage, hurried);
   EXPECT_LT(difference(Drawn(stage, shot)), 0.02) << "whatever was drawn before";
   shot.view = View::kEllipsoids;
@@ -234,9 +234,9 @@ TEST(Stage, RefusesWhatItCannotDraw) {
   EXPECT_EQ(Drawn(head, ShotOf(PaintedHead(), View::kWire)).width, 64);  // it goes on
 }
 
-TEST(Stage, SameShotSeesEveryChange) {
+TEST(Shot, EqualitySeesEveryChange) {
   const Shot shot = ShotOf(PaintedHead(), View::kSplats);
-  EXPECT_TRUE(SameShot(shot, shot));
+  EXPECT_TRUE(shot == shot);
   std::vector<Shot> others(7, shot);
   others[0].view = View::kWire;
   others[1].face.expression = {0.1f};
@@ -245,7 +245,7 @@ TEST(Stage, SameShotSeesEveryChange) {
   others[4].camera.width += 1;
   others[5].background[2] = 0;
   others[6].transparent = true;
-  for (const Shot& other : others) EXPECT_FALSE(SameShot(shot, other));
+  for (const Shot& other : others) EXPECT_FALSE(shot == other);
 }
 
 TEST(ColorScale, BrightnessRisesAndEndsAreExact) {

@@ -53,7 +53,7 @@ TEST_F(Window, TheMouseMovesTheCamera) {
 }
 
 TEST_F(Window, PlaysStepsAndCaptures) {
-  session.SetSequence("talk", OpeningMouth(100), 25);
+  session.SetSequence(OpeningMouth(100), 25);
   session.timeline.Pause();
   Open();
   Press(GLFW_KEY_SPACE);

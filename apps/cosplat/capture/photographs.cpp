@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <set>
 #include <tuple>
@@ -149,20 +148,20 @@ double Sharpness(const Image8& image) {
   return squares / n - (sum / n) * (sum / n);
 }
 
-// Splits the video into `count` intervals of equal length (fewer if it has fewer frames), and
-// writes the sharpest frame of each to folder/frame_NNNNNN.jpg, by its number in the video. Returns
-// the names, in order. `progress` is called with the frames read and their number. Throws Error as
-// VideoReader does.
-std::vector<std::string> WriteSharpFrames(
-    const std::string& video,
-    int count,
-    const std::string& folder,
-    const std::function<void(int done, int total)>& progress) {
+// Splits the video into `frames` intervals of equal length (fewer if it has fewer frames), and
+// writes the sharpest frame of each to folder/frame_NNNNNN.jpg, by its number in the video. Throws
+// Error as VideoReader does.
+void GatherFrames(const std::string& video,
+                  int frames,
+                  const std::string& folder,
+                  bool quiet,
+                  Photographs& result) {
+  const auto progress = ShowProgress("frames", "read", quiet, OffTerminal::kLines);
   VideoReader reader(video);
   PrintNotes(reader.notes());
   const int total = reader.frame_count();
-  const int intervals = std::min(count, total);
-  std::vector<std::string> names;
+  const int intervals = std::min(frames, total);
+  result.is_video = true;
   for (int i = 0, next = 0; i < intervals; ++i) {
     const int end = int(int64_t(i + 1) * total / intervals);
     Image8 best;
@@ -180,19 +179,8 @@ std::vector<std::string> WriteSharpFrames(
     }
     const std::string name = Format("frame_{:06d}.jpg", best_index);
     WriteImage(folder + "/" + name, best);
-    names.push_back(name);
+    result.names.push_back(name);
   }
-  return names;
-}
-
-void GatherFrames(const std::string& video,
-                  int frames,
-                  const std::string& folder,
-                  bool quiet,
-                  Photographs& result) {
-  result.is_video = true;
-  result.names = WriteSharpFrames(
-      video, frames, folder, ShowProgress("frames", "read", quiet, OffTerminal::kLines));
   const ImageInfo info = ReadImageInfo(folder + "/" + result.names[0]);
   result.width = info.width;
   result.height = info.height;

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <charconv>
-#include <filesystem>
 #include <map>
 
 #include "apps/cosplat/run/notes.h"
@@ -11,8 +10,6 @@
 
 namespace cosplat {
 namespace {
-
-namespace fs = std::filesystem;
 
 // The arguments of Python's "Namespace(name=value, ...)": strings without their quotes.
 std::map<std::string, std::string> ArgumentsIn(const std::string& path) {
@@ -57,19 +54,6 @@ int IntegerOr(const std::map<std::string, std::string>& arguments, const char* n
   return value;
 }
 
-int LastIteration(const std::string& folder) {
-  int last = 0;
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(folder + "/point_cloud", ignored)) {
-    const std::string name = entry.path().filename().string();
-    int number = 0;
-    if (name.starts_with("iteration_") &&
-        std::from_chars(name.data() + 10, name.data() + name.size(), number).ec == std::errc())
-      last = std::max(last, number);
-  }
-  return last;
-}
-
 }  // namespace
 
 Json RunOfCfgArgs(const std::string& folder) {
@@ -94,7 +78,7 @@ Json RunOfCfgArgs(const std::string& folder) {
   return {{"kind", "scene"},
           {"source", text("source_path", "")},
           {"split", ToJson(split)},
-          {"iterations", LastIteration(folder)},
+          {"iterations", std::max(0, LastIteration(folder))},
           {"degree", IntegerOr(arguments, "sh_degree", 3)},
           {"basis", "sh"},
           {"seed", nullptr},

@@ -2,8 +2,6 @@
 // HeadCrop.
 #include "apps/cosplat/run/find_head.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -13,9 +11,9 @@
 #include "apps/cosplat/run/progress_bar.h"
 #include "flame/fit/choose_person.h"
 #include "flame/fit/choose_shots.h"
-#include "flame/fit/face_box.h"
 #include "flame/fit/face_looks.h"
 #include "flame/fit/head_crop.h"
+#include "flame/io/landmarks.h"
 #include "splat/base/error.h"
 #include "splat/base/text.h"
 
@@ -84,8 +82,8 @@ Sample HeadSearch::Look(int count, const std::vector<Crop>& windows) const {
   FaceDetector detector(width, height, quiet);
   ProgressBar bar("find the head", int(total + times.size()), quiet);
   ForFrames(
+      frames,
       sample.frames,
-      [&](int f) { return frames.ReadWhole(f); },
       [&](size_t i, const Image8& image) {
         for (size_t w = 0; w < windows.size(); ++w)
           detector.Add(i * windows.size() + w,
@@ -140,15 +138,11 @@ Sample HeadSearch::LookForSmall() const {
 
 std::vector<FaceLook> HeadSearch::LooksOf(const Sample& sample) const {
   std::vector<FaceLook> looks(sample.frames.size());
-  ForFrames(
-      sample.frames,
-      [&](int f) { return frames.ReadWhole(f); },
-      [&](size_t i, const Image8& image) {
-        if (sample.faces[i].empty()) return;
-        const DetectedFace& face = sample.faces[i][0];
-        looks[i] = {sample.frames[i], BoxOf(face.points).size(), FaceColorsOf(image, face.points)};
-      },
-      [](int) {});
+  ForFrames(frames, sample.frames, [&](size_t i, const Image8& image) {
+    if (sample.faces[i].empty()) return;
+    const DetectedFace& face = sample.faces[i][0];
+    looks[i] = {sample.frames[i], BoxOf(face.points).size(), FaceColorsOf(image, face.points)};
+  });
   std::erase_if(looks, [](const FaceLook& look) { return look.colors.empty(); });
   return looks;
 }
@@ -178,15 +172,15 @@ std::string LeftOutText(size_t all, size_t used, int frames, int frame_count) {
 
 }  // namespace
 
-std::vector<LandmarkBox> FoundHead::ExpectedIn(const std::vector<int>& which) const {
-  std::vector<LandmarkBox> expected;
+std::vector<FaceBox> FoundHead::ExpectedIn(const std::vector<int>& which) const {
+  std::vector<FaceBox> expected;
   if (seen.empty()) return expected;
   size_t k = 0;
   for (const int frame : which) {
     while (k + 1 < seen.size() &&
            std::abs(seen[k + 1].first - frame) <= std::abs(seen[k].first - frame))
       ++k;
-    LandmarkBox box = seen[k].second;
+    FaceBox box = seen[k].second;
     if (crop) {
       const auto [left, top] = crop->InImage({box.left, box.top});
       const auto [right, bottom] = crop->InImage({box.right, box.bottom});
@@ -238,20 +232,6 @@ FoundHead FindHead(const std::string& source, const FrameSource& frames, int siz
       found.seen.emplace_back(sample.frames[i], BoxOf(sample.faces[i][0].points));
   if (crops) found.crop = HeadCrop(sample.faces, width, height, size);
   return found;
-}
-
-void ForFrames(const std::vector<int>& which,
-               const std::function<Image8(int frame)>& read,
-               const std::function<void(size_t i, const Image8&)>& use,
-               const std::function<void(int done)>& progress) {
-  constexpr size_t kAhead = 16;
-  for (size_t begin = 0; begin < which.size(); begin += kAhead) {
-    std::vector<Image8> images;
-    const size_t end = std::min(begin + kAhead, which.size());
-    for (size_t i = begin; i < end; ++i) images.push_back(read(which[i]));
-    tbb::parallel_for(begin, end, [&](size_t i) { use(i, images[i - begin]); });
-    progress(int(end));
-  }
 }
 
 }  // namespace cosplat

@@ -40,11 +40,7 @@ void FrameSink::Write(const Image8& image) {
     if (!video_)
       video_ = std::make_unique<VideoWriter>(
           path_, width, height, frames_per_second_, std::exchange(sound_, {}));
-    Image8 even(width, height, 3);
-    for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; ++x)
-        for (int c = 0; c < 3; ++c) even.at(x, y, c) = image.at(x, y, c);
-    video_->Write(even);
+    video_->Write(Cropped(RgbOf(image), {0, 0, width, height}));
   } else {
     WriteImage(Format("{}/{:05d}.png", path_, count_), image);
   }

@@ -6,7 +6,6 @@
 #include <cctype>
 #include <filesystem>
 
-#include "apps/cosplat/run/picture_bars.h"
 #include "splat/base/data_files.h"
 #include "splat/base/error.h"
 #include "splat/base/text.h"
@@ -54,10 +53,6 @@ std::vector<std::string> ImagesIn(const std::string& folder) {
   return images;
 }
 
-bool AreSame(const Crop& a, const Crop& b) {
-  return a.x == b.x && a.y == b.y && a.width == b.width && a.height == b.height;
-}
-
 // Of four channels. Codecs make 254 of 255.
 bool ShowsThrough(const Image8& image) {
   for (size_t i = 3; i < image.data.size(); i += 4)
@@ -91,9 +86,8 @@ void FrameSource::Open(const std::string& path) {
     if (width_ == 0) width_ = info.width, height_ = info.height;
     if (info.width != width_ || info.height != height_)
       throw Error(image,
-                  "is " + std::to_string(info.width) + "x" + std::to_string(info.height) +
-                      ", the images before it are " + std::to_string(width_) + "x" +
-                      std::to_string(height_));
+                  "is " + SizeText(info.width, info.height) + ", the images before it are " +
+                      SizeText(width_, height_));
   }
 }
 
@@ -137,13 +131,12 @@ std::string FrameSource::Name(int frame) const {
 // The middle without bars is enough, where no title is; what bars there are is found in three.
 Crop FrameSource::FindPicture() const {
   std::vector<Image8> frames{ReadWhole(count() / 2)};
-  if (const auto middle = PictureBetweenBars(frames); middle && AreSame(*middle, in_file_))
-    return in_file_;
+  if (PictureBetweenBars(frames) == in_file_) return in_file_;
   for (const int sixth : {1, 5}) frames.push_back(ReadWhole(sixth * count() / 6));
   return PictureBetweenBars(frames).value_or(in_file_);
 }
 
-bool FrameSource::HasBars() const { return !AreSame(picture_, in_file_); }
+bool FrameSource::HasBars() const { return picture_ != in_file_; }
 
 void FrameSource::EndAt(const Crop& picture) {
   picture_ = picture;
@@ -186,10 +179,21 @@ std::optional<Image8> FrameSource::Matte(int frame) const {
   if (!has_alpha_) return {};
   const Image8 whole = ReadAll(frame);
   if (whole.channels != 4 || !ShowsThrough(whole)) return {};
-  const Image8 image = Part(whole);
-  Image8 matte(image.width, image.height, 1);
-  for (size_t i = 0; i < matte.pixels(); ++i) matte.data[i] = image.data[4 * i + 3];
-  return matte;
+  return ChannelOf(Part(whole), 3);
+}
+
+void ForFrames(const FrameSource& frames,
+               const std::vector<int>& which,
+               const std::function<void(size_t i, const Image8&)>& use,
+               const std::function<void(int done)>& progress) {
+  constexpr size_t kAhead = 16;
+  for (size_t begin = 0; begin < which.size(); begin += kAhead) {
+    std::vector<Image8> images;
+    const size_t end = std::min(begin + kAhead, which.size());
+    for (size_t i = begin; i < end; ++i) images.push_back(frames.Read(which[i]));
+    tbb::parallel_for(begin, end, [&](size_t i) { use(i, images[i - begin]); });
+    if (progress) progress(int(end));
+  }
 }
 
 }  // namespace cosplat

@@ -1,6 +1,7 @@
 // The frames of a video file, or the images of a folder in the order of their names.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -13,8 +14,14 @@
 
 namespace cosplat {
 
-// Whether bars beside the picture (apps/cosplat/run/picture_bars.h) are looked for and left out.
+// Whether bars beside the picture are looked for and left out: those that programs add to fill a
+// frame of another shape, black, or the picture itself, enlarged and blurred.
 enum class Bars { kFind, kKeep };
+// The part of frames between two bars of one width, to the left and right or above and below; all
+// of it if there are none. Nothing if the frames are too dark or soft to tell. A bar ends in a
+// straight edge through the whole frame, and has little detail. frames: some, of one size and 3
+// channels.
+std::optional<Crop> PictureBetweenBars(const std::vector<Image8>& frames);
 
 class FrameSource {
  public:
@@ -24,10 +31,8 @@ class FrameSource {
   int count() const;
   int width() const { return width_; }
   int height() const { return height_; }
-  int whole_width() const { return picture_.width; }  // before CropTo
-  int whole_height() const { return picture_.height; }
-  const Crop& in_file() const { return in_file_; }                 // with bars
-  const Crop& picture() const { return picture_; }                 // without, in the file's frames
+  const Crop& in_file() const { return in_file_; }  // with bars
+  const Crop& picture() const { return picture_; }  // without, in the file's frames; before CropTo
   double frames_per_second() const { return frames_per_second_; }  // 0: unknown
   // The stem of the image's file, or the frame's number in the video.
   std::string Name(int frame) const;
@@ -66,5 +71,12 @@ class FrameSource {
   Image8 ReadAll(int frame) const;
   Image8 Part(const Image8& image) const;
 };
+
+// Reads frames in their order, some ahead of what is done with them in parallel. i: a place in
+// `which`.
+void ForFrames(const FrameSource& frames,
+               const std::vector<int>& which,
+               const std::function<void(size_t i, const Image8&)>& use,
+               const std::function<void(int done)>& progress = {});
 
 }  // namespace cosplat

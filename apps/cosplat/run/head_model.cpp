@@ -1,9 +1,12 @@
 #include "apps/cosplat/run/head_model.h"
 
 #include <filesystem>
+#include <utility>
 
 #include "assets/head/procedural_head.h"
 #include "avatar/io/avatar_file.h"
+#include "avatar/io/gaussian_avatars.h"
+#include "avatar/model/avatar_mesh.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 
@@ -28,12 +31,24 @@ std::string HeadModelOfTrack(const std::string& given, const std::string& track)
                   "' is of (a track on our own head has head.npz beside it)");
 }
 
-FlameModel LoadFlameOfRun(const AvatarModel& avatar,
-                          const std::string& path,
-                          const JsonField* run,
-                          const std::string& given) {
-  const bool as_trained = given.empty() && avatar.flame_file.empty() && run;
-  return LoadFlameOf(avatar, path, as_trained ? (*run)["flame"].String() : given, "--flame");
+PosableAvatar LoadPosable(const std::string& glb, const JsonField* run, const std::string& given) {
+  AvatarModel model = ReadAvatarGlb(glb);
+  const bool as_trained = given.empty() && model.flame_file.empty() && run;
+  FlameModel flame =
+      LoadFlameOf(model, glb, as_trained ? (*run)["flame"].String() : given, "--flame");
+  AttachMesh(model, flame);
+  return {std::move(model), std::move(flame)};
+}
+
+PosableAvatar LoadGaussianAvatar(const std::string& ply,
+                                 const std::string& flame,
+                                 const std::string& data) {
+  if (flame.empty())
+    throw Error(ply, "--flame", "is needed: the FLAME model that it was trained with");
+  FlameModel of_file = LoadFlameModel(flame);
+  AvatarModel model = ReadGaussianAvatar(ply, of_file, data);
+  FlameModel own = FlameOf(model, std::move(of_file));
+  return {std::move(model), std::move(own)};
 }
 
 }  // namespace cosplat

@@ -16,11 +16,19 @@ std::string HeadModelFor(const std::string& given, const std::string& folder);
 // it. Throws Error if there is none.
 std::string HeadModelOfTrack(const std::string& given, const std::string& track);
 
-// The model of an avatar that lies in a run's folder, or (run: null) elsewhere: `given` by --flame,
-// in the avatar's file, or where it was in training. Throws Error as LoadFlameOf.
-FlameModel LoadFlameOfRun(const AvatarModel& avatar,
-                          const std::string& path,
-                          const JsonField* run,
-                          const std::string& given);
+// An avatar with its mesh, and the model that poses it.
+struct PosableAvatar {
+  AvatarModel model;
+  FlameModel flame;
+};
+// Of a .glb that lies in a run's folder, or (run: null) elsewhere. The model is that `given` by
+// --flame, in the avatar's file, or where it was in training. Throws Error as ReadAvatarGlb,
+// LoadFlameOf and AttachMesh.
+PosableAvatar LoadPosable(const std::string& glb, const JsonField* run, const std::string& given);
+// GaussianAvatars' point cloud; flame: the model's file. Throws Error if there is none, and as
+// ReadGaussianAvatar.
+PosableAvatar LoadGaussianAvatar(const std::string& ply,
+                                 const std::string& flame,
+                                 const std::string& data = "");
 
 }  // namespace cosplat

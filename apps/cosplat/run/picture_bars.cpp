@@ -1,8 +1,7 @@
-#include "apps/cosplat/run/picture_bars.h"
-
 #include <algorithm>
 #include <cmath>
-#include <vector>
+
+#include "apps/cosplat/run/frame_source.h"
 
 namespace cosplat {
 namespace {

@@ -155,17 +155,23 @@ std::string MakeSplatPath(const std::string& folder, int iteration) {
   return path;
 }
 
+int IterationIn(const std::string& name) {
+  const std::string prefix = "iteration_";
+  return name.starts_with(prefix) ? std::atoi(name.c_str() + prefix.size()) : -1;
+}
+
+int LastIteration(const std::string& folder) {
+  int last = -1;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder + "/point_cloud", ignored))
+    last = std::max(last, IterationIn(entry.path().filename().string()));
+  return last;
+}
+
 int SavedIteration(const std::string& folder, const JsonField& run) {
   const int last = run["iterations"].Integer();
   if (fs::exists(SplatPath(folder, last)) || !FilesHold(run)) return last;
-  int latest = -1;
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(folder + "/point_cloud", ignored)) {
-    const std::string name = entry.path().filename().string();
-    const std::string prefix = "iteration_";
-    if (name.rfind(prefix, 0) != 0) continue;
-    latest = std::max(latest, std::atoi(name.c_str() + prefix.size()));
-  }
+  const int latest = LastIteration(folder);
   if (latest < 0)
     throw Error(folder, "point_cloud", "contains no iteration_N: not a trained model");
   return latest;

@@ -51,6 +51,9 @@ void SaveSplats(const std::string& folder, int iteration, Gaussians gaussians);
 // The path of that file, in a folder that is made if it is not there.
 std::string MakeSplatPath(const std::string& folder, int iteration);
 
+// N of a folder's name "iteration_N", and the highest one that a run has on disk; -1: none.
+int IterationIn(const std::string& name);
+int LastIteration(const std::string& folder);
 // The run's last saved iteration: the one in run.json, or the highest one on disk if training was
 // interrupted. Throws Error if nothing was saved, except for runs that cannot save splats: these
 // still have test images at the iteration in run.json.

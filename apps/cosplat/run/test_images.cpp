@@ -28,14 +28,6 @@ constexpr const char* kTurned = "turned";
 constexpr const char* kLpips = "LPIPS";        // of the network measured last
 constexpr const char* kLpipsOfNet = "LPIPS_";  // followed by the network's name
 
-Image8 PlanarToBytes(const Buffer<float>& planar, int width, int height) {
-  RenderedImage image;
-  image.width = width;
-  image.height = height;
-  image.color = planar;
-  return ToBytes(image.ToImage());
-}
-
 std::vector<std::string> SortedFiles(const std::string& folder) {
   std::vector<std::string> names;
   std::error_code ignored;
@@ -47,14 +39,6 @@ std::vector<std::string> SortedFiles(const std::string& folder) {
 
 // Metrics of one test/ours_N folder, by metric and image name.
 using Figures = std::map<std::string, std::map<std::string, double>>;
-
-// The mask without what is outside of the rectangle.
-Image8 Inside(Image8 mask, const Rectangle& r) {
-  for (int y = 0; y < mask.height; ++y)
-    for (int x = 0; x < mask.width; ++x)
-      if (x < r.x || x >= r.x + r.width || y < r.y || y >= r.y + r.height) mask.at(x, y, 0) = 0;
-  return mask;
-}
 
 // `empty`: counts the images that show nothing, which have no figures.
 Figures EvaluateFolder(const std::string& folder,
@@ -74,15 +58,13 @@ Figures EvaluateFolder(const std::string& folder,
     }
     std::optional<Image8> mask;
     if (fs::exists(folder + "/masks/" + name)) mask = ReadImage(folder + "/masks/" + name);
-    const auto region = [&](const char* of) -> std::optional<Rectangle> {
+    const auto region = [&](const char* of) -> std::optional<Crop> {
       if (!regions.contains(of) || !regions[of].contains(name)) return {};
       const std::vector<float> r =
           JsonField(folder + "/regions.json", regions)[of][name].Numbers(4);
-      return Rectangle{int(r[0]), int(r[1]), int(r[2]), int(r[3])};
+      return Crop{int(r[0]), int(r[1]), int(r[2]), int(r[3])};
     };
-    const std::optional<Rectangle> mouth = region(kMouth), head = region(kHead);
-    const ImageMetrics m =
-        CompareImages(rendered, truth, mask ? &*mask : nullptr, mouth ? &*mouth : nullptr);
+    const ImageMetrics m = CompareImages(rendered, truth, mask ? &*mask : nullptr);
     figures["PSNR"][name] = m.psnr;
     figures["SSIM"][name] = m.ssim;
     const auto add = [&](const char* figure, const std::optional<double>& value) {
@@ -90,8 +72,12 @@ Figures EvaluateFolder(const std::string& folder,
     };
     add("PSNR_mask", m.psnr_mask);
     add("PSNR_highlight", m.psnr_highlight);
-    add("PSNR_mouth", m.psnr_region);
-    if (mask && head) add("PSNR_head", MaskedPsnr(rendered, truth, Inside(*mask, *head)));
+    if (const auto mouth = region(kMouth)) {
+      const Image8 all(truth.width, truth.height, 1, 255);
+      add("PSNR_mouth", MaskedPsnr(rendered, truth, Inside(all, *mouth)));
+    }
+    if (const auto head = region(kHead); mask && head)
+      add("PSNR_head", MaskedPsnr(rendered, truth, Inside(*mask, *head)));
     if (regions.contains(kTurned) && regions[kTurned].contains(name))
       figures[kTurned][name] = JsonField(folder + "/regions.json", regions)[kTurned][name].Number();
     if (lpips)
@@ -161,11 +147,6 @@ std::map<double, double> PsnrByTurn(const Figures& figures) {
 void Summarize(const Figures& figures, size_t empty, TestSummary& summary) {
   summary.empty_views = empty;
   summary.views = figures.empty() ? 0 : figures.at("PSNR").size();
-  summary.psnr_mask.reset();
-  summary.psnr_head.reset();
-  summary.psnr_mouth.reset();
-  summary.psnr_turned.clear();
-  summary.lpips.clear();
   if (summary.views == 0) return;
   summary.psnr = Mean(figures.at("PSNR"));
   summary.ssim = Mean(figures.at("SSIM"));
@@ -200,9 +181,8 @@ HeadView HeadViewOf(const std::vector<float>& vertices,
                     const FlameModel& flame,
                     const TrackedFrame& frame) {
   const Camera& camera = frame.camera;
-  const Crop mouth =
-      MouthBox(vertices, avatar.mesh.vertices, topology, flame.own_vertex_count(), camera);
-  return {{{kMouth, {mouth.x, mouth.y, mouth.width, mouth.height}},
+  return {{{kMouth,
+            MouthBox(vertices, avatar.mesh.vertices, topology, flame.own_vertex_count(), camera)},
            {kHead, {0, 0, camera.width, ChinRow(vertices, flame, camera)}}},
           DegreesTurned(frame.params, frame.camera)};
 }
@@ -226,11 +206,8 @@ void TestImageWriter::Write(const RenderedImage& rendered,
                             const HeadView& head,
                             const Image8& ignored) {
   const std::string name = Format("{:05d}.png", next_++);
-  WriteImage(path_ + "/renders/" + name,
-             PlanarToBytes(rendered.color, rendered.width, rendered.height));
-  Buffer<float> planar;
-  CompositeTarget(truth, background_, planar);
-  WriteImage(path_ + "/gt/" + name, PlanarToBytes(planar, truth.width, truth.height));
+  WriteImage(path_ + "/renders/" + name, ToBytes(rendered.ToImage()));
+  WriteImage(path_ + "/gt/" + name, OverBackground(truth, background_));
   if (truth.channels == 4 || !ignored.empty()) {
     MakeDirectories(path_ + "/masks");
     Image8 mask(truth.width, truth.height, 1, 255);
@@ -241,7 +218,7 @@ void TestImageWriter::Write(const RenderedImage& rendered,
     WriteImage(path_ + "/masks/" + name, mask);
   }
   for (const auto& [region, r] : head.regions)
-    if (r.width > 0 && r.height > 0) regions_[region][name] = r;
+    if (!r.empty()) regions_[region][name] = r;
   if (head.turned) turned_[name] = *head.turned;
 }
 
@@ -262,10 +239,13 @@ TestSummary EvaluateTestImages(const std::string& folder,
   if (views.empty())
     throw Error(
         folder, "test", "contains no images: train with --eval or run `cosplat render` first");
+  const std::string own = Format("ours_{}", iteration);
+  if (!views.count(own))
+    throw Error(folder, "test", "contains no " + own + ": run `cosplat render` first");
   TestSummary summary;
   auto earlier = ReadEarlier(folder + "/per_view.json", summary.dropped);
   Json results = Json::object(), per_view = Json::object();
-  int latest = -1, done = 0, total = 0;
+  int done = 0, total = 0;
   for (const auto& [name, count] : views) total += count;
   for (const auto& [name, count] : views) {
     size_t empty = 0;
@@ -281,20 +261,14 @@ TestSummary EvaluateTestImages(const std::string& folder,
       results[name][figure] = Mean(values);
       per_view[name][figure] = values;
     }
-    const int number = std::atoi(name.c_str() + 5);
-    if (name != "ours_" + std::to_string(number)) {
+    if (name == own) {
+      Summarize(figures, empty, summary);
+    } else if (name != "ours_" + std::to_string(std::atoi(name.c_str() + 5))) {
       TestSummary other;
       Summarize(figures, empty, other);
       summary.others[name] = ToString(other);
-      continue;
     }
-    if (iteration >= 0 ? number != iteration : number < latest) continue;
-    latest = number;
-    Summarize(figures, empty, summary);
   }
-  if (latest < 0)
-    throw Error(
-        folder, "test", Format("contains no ours_{}: run `cosplat render` first", iteration));
   WriteFileAtomically(folder + "/results.json", results.dump(2) + "\n");
   WriteFileAtomically(folder + "/per_view.json", per_view.dump(2) + "\n");
   return summary;
@@ -323,15 +297,15 @@ void WriteExposed(const std::string& folder) {
     Buffer<float> as_drawn, target;
     CompositeTarget(rendered, {}, as_drawn);
     CompositeTarget(truth, {}, target);
-    Buffer<float> shown = as_drawn;
-    ApplyExposure(FitExposure(shown, target, use), shown.view());
-    for (size_t i = 0; i < shown.size(); ++i)
-      if (!in_mask(i % use.size())) shown[i] = as_drawn[i];
+    RenderedImage shown{rendered.width, rendered.height, as_drawn, {}};
+    ApplyExposure(FitExposure(as_drawn, target, use), shown.color.view());
+    for (size_t i = 0; i < as_drawn.size(); ++i)
+      if (!in_mask(i % use.size())) shown.color[i] = as_drawn[i];
     const Crop right{middle, 0, rendered.width - middle, rendered.height};
     const auto write = [&](const char* sub, const Image8& image) {
       WriteImage(out + sub + "/" + name, Cropped(image, right));
     };
-    write("/renders", PlanarToBytes(shown, rendered.width, rendered.height));
+    write("/renders", ToBytes(shown.ToImage()));
     write("/gt", truth);
     if (masked) write("/masks", mask);
   }

@@ -33,8 +33,8 @@ struct TestSummary {
 
 // Where a posed avatar is in an image, and how it is turned: what is measured apart.
 struct HeadView {
-  std::map<std::string, Rectangle> regions;  // "mouth", a box around it; "head", above the chin
-  std::optional<double> turned;              // degrees, DegreesTurned
+  std::map<std::string, Crop> regions;  // "mouth", a box around it; "head", above the chin
+  std::optional<double> turned;         // degrees, DegreesTurned
 };
 HeadView HeadViewOf(const std::vector<float>& vertices,
                     const AvatarModel& avatar,
@@ -54,7 +54,7 @@ class TestImageWriter {
                   const std::string& suffix = "");
   const std::string& path() const { return path_; }
   const std::array<float, 3>& background() const { return background_; }
-  // Empty rectangles are left out. ignored: as in TrainFrame.
+  // Empty regions are left out. ignored: as in TrainFrame.
   void Write(const RenderedImage& rendered,
              const Image8& truth,
              const HeadView& head = {},
@@ -66,20 +66,19 @@ class TestImageWriter {
   std::string path_;
   std::array<float, 3> background_;
   int next_ = 0;
-  std::map<std::string, std::map<std::string, Rectangle>> regions_;  // by name and image
-  std::map<std::string, double> turned_;                             // by image
+  std::map<std::string, std::map<std::string, Crop>> regions_;  // by name and image
+  std::map<std::string, double> turned_;                        // by image
 };
 
 // Reads test/ours_*/ of a run, writes results.json and per_view.json for all of them, and returns
-// the means of ours_<iteration>, or of the highest iteration if `iteration` is negative. Throws
-// Error if that folder is missing.
+// the means of ours_<iteration>. Throws Error if that folder is missing.
 //
 // With `lpips`, also writes LPIPS_<net>, and again as LPIPS, the name that other tools expect. An
 // earlier LPIPS measurement is kept if the images are unchanged. `progress` is called with the
 // number of views done and the total. Views that show nothing have no figures and are in no mean.
 TestSummary EvaluateTestImages(const std::string& folder,
-                               int iteration = -1,
-                               Lpips* lpips = nullptr,
+                               int iteration,
+                               Lpips* lpips,
                                const std::function<void(int done, int total)>& progress = {});
 
 // Writes the right halves of a test/ours_N of a run to test/ours_N_exposed, each with the exposure

@@ -1,9 +1,8 @@
-#include "apps/cosplat/run/track_advice.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "apps/cosplat/run/track_run.h"
 #include "avatar/surface/silhouette.h"
 #include "flame/pose.h"
 #include "splat/base/text.h"

@@ -1,14 +1,11 @@
 #include "apps/cosplat/run/track_run.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
 #include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/progress_bar.h"
-#include "apps/cosplat/run/track_advice.h"
 #include "apps/cosplat/run/train_run.h"
 #include "flame/eyelids.h"
 #include "flame/fit/face_looks.h"
@@ -34,11 +31,12 @@ void CheckOfVideo(const LandmarkVideo& marks, const std::string& source, FrameSo
   // Of another detector, which saw the bars.
   const Crop& all = frames.in_file();
   if (width == all.width && height == all.height) frames.EndAt(all);
-  if (width != frames.whole_width() || height != frames.whole_height())
+  const Crop& picture = frames.picture();
+  if (width != picture.width || height != picture.height)
     throw Error(marks.file,
                 marks.crop ? "crop.frame_width, frame_height" : "width, height",
                 "are " + SizeText(width, height) + ", " + source + " is " +
-                    SizeText(frames.whole_width(), frames.whole_height()));
+                    SizeText(picture.width, picture.height));
   for (size_t i = 0; i < marks.frames.size(); ++i) {
     const LandmarkFrame& frame = marks.frames[i];
     const std::string field = "frames[" + std::to_string(i) + "]";
@@ -96,9 +94,9 @@ Image8 MatteOf(const LandmarkFrame& frame, const LandmarkVideo& marks) {
   Image8 matte = ReadImage(frame.matte);
   if (matte.channels != 1 || matte.width != marks.width || matte.height != marks.height)
     throw Error(frame.matte,
-                "is " + std::to_string(matte.width) + "x" + std::to_string(matte.height) +
-                    " with " + std::to_string(matte.channels) + " channels, expected " +
-                    std::to_string(marks.width) + "x" + std::to_string(marks.height) + " with 1");
+                "is " + SizeText(matte.width, matte.height) + " with " +
+                    std::to_string(matte.channels) + " channels, expected " +
+                    SizeText(marks.width, marks.height) + " with 1");
   return matte;
 }
 
@@ -172,26 +170,20 @@ WrittenImages WriteImages(const TrackRunOptions& o,
   written.sharpness.resize(run.kept.size());
   written.colors.resize(run.kept.size());
   ProgressBar bar("write", int(run.kept.size()), o.quiet);
-  // Videos are decoded in order, a few frames ahead of what is encoded in parallel.
-  constexpr size_t kAhead = 16;
-  for (size_t begin = 0; begin < run.kept.size(); begin += kAhead) {
-    std::vector<Image8> images;
-    const size_t end = std::min(begin + kAhead, run.kept.size());
-    for (size_t i = begin; i < end; ++i)
-      images.push_back(frames.Read(run.marks.frames[run.kept[i]].frame));
-    tbb::parallel_for(begin, end, [&](size_t i) {
-      const LandmarkFrame& frame = run.marks.frames[run.kept[i]];
-      WriteImage(o.out + "/image/" + frame.name + ".png", images[i - begin]);
-      const auto& points = run.chosen.faces[run.kept[i]]->points;
-      written.sharpness[i] = SharpnessOf(images[i - begin], points);
-      written.colors[i] = FaceColorsOf(images[i - begin], points);
-      if (!run.mattes) return;
-      const Image8 matte = MatteOf(frame, run.marks);
-      WriteImage(o.out + "/mask/" + frame.name + ".png", matte);
-      written.boxes[i] = ImavatarBox(matte);
-    });
-    bar.Update(int(end), "frames");
-  }
+  std::vector<int> which;
+  for (const size_t f : run.kept) which.push_back(run.marks.frames[f].frame);
+  const auto write = [&](size_t i, const Image8& image) {
+    const LandmarkFrame& frame = run.marks.frames[run.kept[i]];
+    WriteImage(o.out + "/image/" + frame.name + ".png", image);
+    const auto& points = run.chosen.faces[run.kept[i]]->points;
+    written.sharpness[i] = SharpnessOf(image, points);
+    written.colors[i] = FaceColorsOf(image, points);
+    if (!run.mattes) return;
+    const Image8 matte = MatteOf(frame, run.marks);
+    WriteImage(o.out + "/mask/" + frame.name + ".png", matte);
+    written.boxes[i] = ImavatarBox(matte);
+  };
+  ForFrames(frames, which, write, [&](int done) { bar.Update(done, "frames"); });
   return written;
 }
 
@@ -255,16 +247,14 @@ void RunTracking(const TrackRunOptions& o, FrameSource& frames) {
   MakeDirectories(o.out + "/image");
   if (run.mattes) MakeDirectories(o.out + "/mask");
   RemoveFile(o.out + "/flame_params.json");  // so that a half is not taken for the whole
-  ImavatarTrack track = ImavatarTrackOf(run.model);
+  TrackedVideo track = TrackOf(run.model);
   track.shape = run.fit.shape;
   track.static_offset = run.fit.static_offset;
-  track.test_frames = TestFrames(run);
-  WrittenImages written = WriteImages(o, run, frames);
-  track.boxes = std::move(written.boxes);
+  const WrittenImages written = WriteImages(o, run, frames);
   run.advice = AdviceFor(run, written.sharpness, OtherLooks(written.colors));
-  for (size_t f : run.kept) track.frames.push_back(TrackedFrameOf(run, f));
+  for (size_t f : run.kept) track.train.push_back(TrackedFrameOf(run, f));
   WriteTrackReport(o, run, frames);
-  WriteImavatarTrack(o.out, track);
+  WriteImavatarTrack(o.out, track, written.boxes, TestFrames(run));
   if (!o.quiet) PrintSummary(o, run);
 }
 

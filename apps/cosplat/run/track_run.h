@@ -41,7 +41,7 @@ struct TrackRun {
   bool mattes = false;                // whether they have mattes
   std::vector<SkippedFrame> skipped;  // the others, each with the reason
   std::vector<double> held_out_psnr;  // RefineByAvatars'
-  std::vector<std::string> advice;    // AdviceFor (track_advice.h), once images are written
+  std::vector<std::string> advice;    // AdviceFor, once images are written
 
   Camera whole_camera() const {
     return marks.crop ? marks.crop->WholeCamera(fit.camera) : fit.camera;
@@ -70,6 +70,17 @@ Image8 DrawOverlay(const TrackRun& run, size_t frame, const Image8& image);
 void WriteTrackReport(const TrackRunOptions& options,
                       const TrackRun& run,
                       const FrameSource& frames);
+
+// What the person who filmed could do better: what a track shows that its video lacks
+// (track_advice.cpp).
+//
+// A sentence for each of: a head beyond the frame, turns and nods that an avatar will lack, eyes
+// that never close, a mouth that never opens or smiles, a short video, a small face, blurred and
+// unusable frames, cuts, several people. Empty if nothing is missing. sharpness: [kept]
+// SharpnessOf. other_looks: of the kept frames, OtherLooks.
+std::vector<std::string> AdviceFor(const TrackRun& run,
+                                   const std::vector<double>& sharpness,
+                                   const std::vector<size_t>& other_looks);
 
 // The rounds in which small avatars make a track more exact (avatar_rounds.cpp): RefineByAvatar
 // (avatar/train/refine_by_avatar.h) with the settings of train-avatar's quick preset, but 800

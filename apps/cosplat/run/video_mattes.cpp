@@ -5,7 +5,7 @@
 #include <map>
 #include <utility>
 
-#include "flame/fit/face_box.h"
+#include "flame/io/landmarks.h"
 #include "splat/base/error.h"
 #include "splat/base/text.h"
 
@@ -57,16 +57,12 @@ Image8 OwnMattes::Read(int frame) const {
   const Image8 image = mattes_.Read(place);
   if (!is_video_) return MatteOf(image);
   // A codec's black is not quite 0, which must not be taken for labels.
-  Image8 matte(image.width, image.height, 1);
-  for (size_t i = 0; i < matte.data.size(); ++i) matte.data[i] = image.data[3 * i];
-  return matte;
+  return ChannelOf(image, 0);
 }
-
-FaceBox FaceBoxOf(const LandmarkBox& box) { return {box.left, box.top, box.right, box.bottom}; }
 
 std::optional<FaceBox> FaceBoxOf(const LandmarkFrame& frame) {
   if (frame.faces.empty()) return {};
-  return FaceBoxOf(BoxOf(frame.faces[0].points));
+  return BoxOf(frame.faces[0].points);
 }
 
 MatteRefiner RefinerOf(const LandmarkVideo& video,

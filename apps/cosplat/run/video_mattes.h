@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "apps/cosplat/run/frame_source.h"
-#include "flame/fit/face_box.h"
 #include "flame/io/landmarks.h"
 #include "splat/media/refine_mattes.h"
 
@@ -32,7 +31,6 @@ class OwnMattes {
   std::vector<int> place_;  // per frame, in mattes_
 };
 
-FaceBox FaceBoxOf(const LandmarkBox& box);
 // Where a frame's face is: its points' extent. Nothing without a face.
 std::optional<FaceBox> FaceBoxOf(const LandmarkFrame& frame);
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "apps/study/avatar_stability/cases.h"
+#include "splat/base/median.h"
 #include "splat/train/loss/loss.h"
 
 namespace cosplat {
@@ -31,8 +32,7 @@ AvatarModel Enlarged(AvatarModel avatar, float factor) {
 double MedianScale(const PosedGaussians& posed) {
   std::vector<float> scales(posed.size());
   for (size_t i = 0; i < scales.size(); ++i) scales[i] = LargestScale(posed, i);
-  std::nth_element(scales.begin(), scales.begin() + long(scales.size() / 2), scales.end());
-  return scales[scales.size() / 2];
+  return Median(scales);
 }
 
 // The left half of one image next to the right half of another.

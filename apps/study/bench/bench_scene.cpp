@@ -12,7 +12,6 @@
 #include "splat/base/error.h"
 #include "splat/eval/metrics.h"
 #include "splat/media/image_io.h"
-#include "splat/train/loss/loss.h"
 #include "splat/train/start/initialize.h"
 #include "splat/train/subject/scene_subject.h"
 
@@ -54,15 +53,14 @@ double HeldOutPsnr(const BenchScene& scene,
                    const RenderSettings& settings) {
   const auto rasterizer = MakeCpuRasterizer();
   const auto tape = rasterizer->MakeTape();
-  RenderedImage rendered, truth;
+  RenderedImage rendered;
   double sum = 0;
   for (const TrainFrame& frame : scene.test) {
     rasterizer->Forward(
         ViewOf(gaussians), gaussians.basis, frame.camera, settings, rendered, *tape);
-    truth.width = rendered.width;
-    truth.height = rendered.height;
-    CompositeTarget(frame.target, settings.background, truth.color);
-    sum += CompareImages(ToBytes(rendered.ToImage()), ToBytes(truth.ToImage())).psnr;
+    sum += CompareImages(ToBytes(rendered.ToImage()),
+                         OverBackground(frame.target, settings.background))
+               .psnr;
   }
   return sum / double(scene.test.size());
 }

@@ -10,6 +10,7 @@
 #include "flame/fit/points_on_flame.h"
 #include "flame/pose.h"
 #include "splat/base/error.h"
+#include "splat/base/median.h"
 #include "splat/base/text.h"
 
 namespace cosplat {
@@ -110,9 +111,7 @@ std::optional<std::array<double, 3>> MedianOf(const std::vector<Vector3d>& hits)
   for (size_t axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
     for (const Vector3d& hit : hits) values.push_back(hit[long(axis)]);
-    const auto middle = values.begin() + long(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    median[axis] = *middle;
+    median[axis] = Median(values);
   }
   return median;
 }

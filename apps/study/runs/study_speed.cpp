@@ -5,13 +5,11 @@
 #include <limits>
 #include <vector>
 
+#include "apps/cosplat/run/head_model.h"
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/study/runs/study_runner.h"
-#include "avatar/io/avatar_file.h"
-#include "avatar/model/avatar_mesh.h"
 #include "avatar/play/player.h"
-#include "flame/model.h"
 #include "splat/base/error.h"
 #include "splat/gaussians.h"
 #include "splat/io/ply.h"
@@ -57,9 +55,7 @@ double SceneRate(const std::string& folder, const JsonField& run) {
 }
 
 double AvatarRate(const std::string& folder, const JsonField& run) {
-  AvatarModel model = ReadAvatarGlb(folder + "/avatar.glb");
-  const FlameModel flame = FlameOf(model, LoadFlameModel(run["flame"].String()));
-  AttachMesh(model, flame);
+  auto [model, flame] = LoadPosable(folder + "/avatar.glb", &run, "");
   Player player(std::move(model), flame);
   const TrackedVideo video = LoadSplitVideo(run["source"].String(), SplitFromJson(run), flame);
   // A player does not render the same frame twice.

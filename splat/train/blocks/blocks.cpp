@@ -5,17 +5,12 @@
 #include <string>
 
 #include "splat/base/error.h"
+#include "splat/base/median.h"
 
 namespace cosplat {
 namespace {
 
 using Point = std::array<double, 3>;
-
-double MiddleOf(std::vector<double>& values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 float HeightOver(const BlockPlane& plane, const float* p) {
   return plane.normal[0] * p[0] + plane.normal[1] * p[1] + plane.normal[2] * p[2] - plane.offset;
@@ -78,7 +73,7 @@ class Splitter {
     std::vector<double> values(of.size());
     for (size_t k = 0; k < 3; ++k) {
       for (size_t i = 0; i < of.size(); ++i) values[i] = At(of[i])[k];
-      median[k] = MiddleOf(values);
+      median[k] = Median(values);
     }
     return median;
   }
@@ -88,7 +83,7 @@ class Splitter {
     std::vector<double> distances(of.size());
     for (size_t i = 0; i < of.size(); ++i) distances[i] = std::sqrt(Distance2(At(of[i]), median));
     std::vector<double> sorted = distances;
-    const double limit = MiddleOf(sorted);
+    const double limit = Median(sorted);
     std::array<Point, 3> covariance{};
     for (size_t i = 0; i < of.size(); ++i) {
       const double share = distances[i] > limit ? limit / distances[i] : 1;
