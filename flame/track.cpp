@@ -302,6 +302,7 @@ TrackedVideo LoadTrack(const std::string& path, const TrackRequest& request) {
   } else {
     ThrowNoTrack(path);
   }
+  if (request.images) SkipImpossible(video);  // a driver may exaggerate
   CheckSkipped(path, video.train.size() + video.test.size(), video.skipped);
   if (video.train.empty() && !is_file) throw Error(path, "contains no frames to train on");
   ConvertToMetres(request.options.flame, video);

@@ -51,6 +51,13 @@ void Check(const ExportOptions& o) {
     throw Error("--measure", "compares a model's PLY with the other files: give -m only");
   if (o.source.measure && o.glb.empty() && o.spz.empty() && o.sog.empty())
     throw Error("--measure", "give --glb, --spz or --sog: the files to compare with the PLY");
+  const std::array<std::pair<const char*, const std::string*>, 4> files{
+      {{".ply", &o.ply}, {".glb", &o.glb}, {".spz", &o.spz}, {".sog", &o.sog}}};
+  for (const auto& [kind, path] : files)
+    for (const auto& [ending, other] : files)
+      if (other != path && LowerCase(*path).ends_with(ending))
+        throw Error("--" + std::string(kind + 1) + " " + *path,
+                    "ends in " + std::string(ending) + ", for which other programs would take it");
 }
 
 // What files with at most three bands can hold of the subject.

@@ -123,6 +123,9 @@ void RenderScene(const RenderOptions& o, const JsonField& run) {
   Gaussians g = ReadSplatsAloud(o.splats.empty() ? SplatPath(o.model, iteration) : o.splats);
   SortByDegree(g);
   const SceneData scene = LoadSplitScene(SourceOf(o, run), SplitOf(o, run));
+  if (o.out.empty())
+    RequireDataOfRun(o.model, scene.source, CamerasOf(scene), scene.test.size(), false);
+  if (!o.quiet) PrintSkipped(scene.skipped);
   MoveOrigin(g, scene.origin);
   const bool held_out = !scene.test.empty();
   const std::vector<SceneView>& views = held_out ? scene.test : scene.train;
@@ -260,6 +263,9 @@ void RenderFrames(const RenderOptions& o,
                   const FlameModel& flame,
                   AvatarTestImages& renderer) {
   const TrackedVideo video = LoadSplitVideo(SourceOf(o, run), SplitOf(o, run), flame);
+  if (o.out.empty())
+    RequireDataOfRun(o.model, video.source, CamerasOf(video), video.test.size(), false);
+  if (!o.quiet) PrintSkipped(video.skipped);
   const bool held_out = !video.test.empty();
   const std::vector<TrackedFrame>& frames = held_out ? video.test : video.train;
   if (!o.out.empty()) {
@@ -298,6 +304,7 @@ void Render(const RenderOptions& o) {
   if (o.out.empty() && o.preview)
     throw Error("--preview", "needs --out: test views are measured at full size");
   RequireSplats(run);
+  if (!o.out.empty()) RefuseDataFolder("-o", o.out, SourceOf(o, run));
   if (run["kind"].String() == "avatar") {
     RenderAvatar(o, run);
   } else {

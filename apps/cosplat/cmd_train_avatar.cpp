@@ -54,14 +54,26 @@ DataSplit SplitOf(const AvatarOptions& o) {
       {o.resolution, o.eval, o.fold}, o.test_frames.value_or(-1), o.fold_by_turn, o.focal_scale};
 }
 
+// Of the parameters as the files have them, by which a finished run knows its track.
+uint32_t TrackChecksum(const TrackedVideo& video) {
+  DataChecksums sums;
+  for (const auto* frames : {&video.train, &video.test}) AddTrack("frame", *frames, sums);
+  AddText("shape", Json(video.shape).dump() + Json(video.static_offset).dump(), sums);
+  AddText("all", Json(sums).dump(), sums);
+  return sums.back().second;
+}
+
 void SaveInputs(const AvatarOptions& o,
                 const TrackedVideo& video,
+                uint32_t track,
                 bool sound,
                 const std::string& config) {
   const Json run{{"kind", "avatar"},
                  {"source", o.source},
                  {"flame", o.flame},
                  {"split", ToJson(SplitOf(o))},
+                 {"test_views", video.test.size()},
+                 {"track", track},
                  {"iterations", o.iterations},
                  {"preset", NameOf(o.preset)},
                  {"degree", o.sh_degree},
@@ -73,7 +85,7 @@ void SaveInputs(const AvatarOptions& o,
                  {"data_is_sound", sound},
                  {"version", COSPLAT_VERSION}};
   WriteRunConfiguration(o.model, o, config, run);
-  WriteTrackCameras(o.model, video);
+  WriteCamerasJson(o.model + "/cameras.json", CamerasOf(video));
 }
 
 DataChecksums ChecksumsOf(const AvatarOptions& o,
@@ -150,8 +162,19 @@ void Save(const AvatarOptions& o,
 }  // namespace
 
 bool TrainAvatar(AvatarOptions o, const std::string& config) {
+  RefuseDataFolder("-m", o.model, o.source);
   const RunStart how = ChooseStart(o, config);
+  const auto load_model = [&] {
+    o.flame = HeadModelOfTrack(o.flame, o.source);
+    FlameModel flame = LoadFlameModel(o.flame);
+    return o.mouth ? WithMouth(std::move(flame)) : flame;
+  };
   if (how == RunStart::kFinished) {
+    const TrackedVideo video = LoadSplitVideo(o.source, SplitOf(o), load_model());
+    RequireDataOfRun(o.model, o.source, CamerasOf(video), video.test.size(), true);
+    const JsonField run = ReadRun(o.model);
+    if (run.Has("track") && run["track"].Number() != TrackChecksum(video))
+      throw Error(o.model, "holds a finished run on another track: --overwrite replaces it");
     PrintFinished(o);
     return HadSoundData(o.model);
   }
@@ -162,10 +185,9 @@ bool TrainAvatar(AvatarOptions o, const std::string& config) {
                 "exceeds standard glTF's degree 3: pass --truncate-degree to omit band 4 from what "
                 "other programs read");
   o.ResolveBackground(Background::kRandom);
-  o.flame = HeadModelOfTrack(o.flame, o.source);
-  FlameModel flame = LoadFlameModel(o.flame);
-  if (o.mouth) flame = WithMouth(std::move(flame));
+  FlameModel flame = load_model();
   TrackedVideo loaded = LoadSplitVideo(o.source, SplitOf(o), flame);
+  const uint32_t track = TrackChecksum(loaded);
   const bool sound = PrintFindings(o.source, CheckTrack(flame, loaded), o.strict, o.quiet);
   if (TracksEyelids(loaded)) {
     flame = WithEyelids(std::move(flame));
@@ -185,7 +207,7 @@ bool TrainAvatar(AvatarOptions o, const std::string& config) {
   RunCheckpoint checkpoint(
       o, config, how, ChecksumsOf(o, flame, subject, truth, trainer.state().gaussians));
   if (how == RunStart::kNew) RemoveRun(o.model);
-  SaveInputs(o, video, sound, config);
+  SaveInputs(o, video, track, sound, config);
   PrintSettled(o);
   if (!o.quiet) PrintSkipped(video.skipped);
   if (!o.quiet && o.OmitsLpips())

@@ -95,6 +95,7 @@ void SaveInputs(const SceneTrainOptions& o,
   const Json run{{"kind", "scene"},
                  {"source", o.source},
                  {"split", ToJson(split)},
+                 {"test_views", scene.test.size()},
                  {"iterations", o.iterations},
                  {"degree", o.sh_degree},
                  {"basis", ToString(o.basis)},
@@ -104,10 +105,7 @@ void SaveInputs(const SceneTrainOptions& o,
                  {"data_is_sound", sound},
                  {"version", COSPLAT_VERSION}};
   WriteRunConfiguration(o.model, o, config, run);
-  std::vector<NamedCamera> cameras;
-  for (const auto* views : {&scene.test, &scene.train})
-    for (const SceneView& view : *views) cameras.push_back({view.name, view.camera});
-  WriteCamerasJson(o.model + "/cameras.json", cameras);
+  WriteCamerasJson(o.model + "/cameras.json", CamerasOf(scene));
   WritePointsPly(o.model + "/input.ply", scene.points, scene.point_colors, scene.origin);
 }
 
@@ -124,8 +122,16 @@ bool TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
                     " ranks, these are " + std::to_string(ranks->size()));
   const bool writes = ranks->rank() == 0;
   if (!writes) o.quiet = true;
+  RefuseDataFolder("-m", o.model, o.source);
   const RunStart how = ChooseStart(o, config, *ranks);
   if (how == RunStart::kFinished) {
+    const std::string problem = writes ? Problem([&] {
+      const SceneData scene = LoadSplitScene(o.source, SplitFromJson(ReadRun(o.model)));
+      RequireDataOfRun(o.model, o.source, CamerasOf(scene), scene.test.size(), true);
+    })
+                                       : "";
+    if (const std::string of_all = TextOfRankZero(problem, *ranks); !of_all.empty())
+      throw Error(of_all, "");
     if (writes && o.blocks > 1) BlockFiles::Remove(o.model);  // it may have been stopped before
     PrintFinished(o);
     return Smallest(uint32_t(!writes || HadSoundData(o.model)), *ranks) != 0;

@@ -81,7 +81,7 @@ void WriteImportedRun(const std::string& folder,
                  {"reference", ReferenceView(video)},
                  {"version", COSPLAT_VERSION}};
   MakeDirectories(folder);
-  WriteTrackCameras(folder, video);
+  WriteCamerasJson(folder + "/cameras.json", CamerasOf(video));
   SaveSplats(folder, iteration, RestPose(avatar));
   WriteFileAtomically(folder + "/run.json", run.dump(2) + "\n");
 }

@@ -1,6 +1,8 @@
 // IMavatar's layout (Zheng et al. 2022), also used by PointAvatar's and SplattingAvatar's data.
 #include <cmath>
 #include <filesystem>
+#include <map>
+#include <optional>
 
 #include "flame/io/track_layouts.h"
 #include "splat/base/camera.h"
@@ -92,6 +94,27 @@ ImageInfo ImageSize(const TrackFiles& files, const JsonField& frames) {
   return {kDefaultSide, kDefaultSide, 0};
 }
 
+// Frames are in order of time. Where their names are numbers, those say it: "1, 10, 11, 2" is the
+// order of text.
+void SortByNumber(const std::string& file, TrackedVideo& video) {
+  std::map<int, size_t> places;
+  for (size_t i = 0; i < video.train.size(); ++i) {
+    const std::optional<int> number = NumberIn(video.train[i].name);
+    if (!number || !places.emplace(*number, i).second) return;
+  }
+  std::vector<TrackedFrame> sorted;
+  bool moved = false;
+  for (const auto& [number, place] : places) {
+    moved |= place != sorted.size();
+    sorted.push_back(video.train[place]);
+  }
+  if (!moved) return;
+  for (size_t i = 0; i < sorted.size(); ++i) sorted[i].timestep = video.train[i].timestep;
+  video.train = std::move(sorted);
+  video.notes.push_back(file +
+                        ": its frames are not in the order of their numbers, and were sorted");
+}
+
 int ImavatarTestFrames(const JsonField& file, const TrackOptions& options, size_t usable) {
   if (options.test_frames < 0 && file.Has("test_frames")) return file["test_frames"].Integer();
   return TestFrameCount(options, usable);
@@ -132,6 +155,7 @@ void LoadImavatarTrack(const std::string& path, const TrackRequest& request, Tra
   }
   NoteTransposed(json_path, transposed, video);
   CheckSkipped(path, video.train.size(), video.skipped);
+  SortByNumber(json_path, video);
   SplitLastFrames(ImavatarTestFrames(file, request.options, video.train.size()), video);
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <tuple>
 
 #include "flame/io/track_fit.h"
 #include "flame/pose.h"
@@ -167,6 +169,93 @@ void CheckImages(const std::vector<SeenFrame>& all, std::vector<Finding>& findin
   say(repeated, "the image is that of the frame before: look at the image files");
 }
 
+// By the numbers of all frames.
+
+void CheckLenses(const std::vector<const TrackedFrame*>& frames, std::vector<Finding>& findings) {
+  size_t wrong = 0;
+  std::string first;
+  for (const TrackedFrame* frame : frames) {
+    const std::string problem = LensProblem(frame->camera);
+    if (!problem.empty() && wrong++ == 0) first = frame->name + ": " + problem;
+  }
+  if (wrong > 0)
+    findings.push_back({true,
+                        std::to_string(wrong) + " of " + std::to_string(frames.size()) +
+                            " cameras have intrinsics that no video has (" + first + ")"});
+}
+
+// What is the same in two frames only if one is the other.
+using FrameKey = std::tuple<std::vector<float>,
+                            std::array<std::array<float, 3>, kFlameJoints>,
+                            std::array<float, 3>,
+                            std::array<float, 9>,
+                            std::array<float, 3>>;
+FrameKey KeyOf(const TrackedFrame& frame) {
+  return {frame.params.expression,
+          frame.params.pose,
+          frame.params.translation,
+          frame.camera.rotation,
+          frame.camera.translation};
+}
+
+void CheckCount(const TrackedVideo& video, std::vector<Finding>& findings) {
+  constexpr size_t kFewFrames = 10;
+  if (video.train.size() < kFewFrames)
+    findings.push_back({false,
+                        std::to_string(video.train.size()) + " training frame" +
+                            (video.train.size() == 1 ? "" : "s") +
+                            ": an avatar shows what it was shown; film ten seconds and more, with "
+                            "turns and speech"});
+}
+
+// Images that differ although the track says that nothing moved.
+void CheckMotion(const std::vector<const TrackedFrame*>& frames,
+                 const std::vector<SeenFrame>& all,
+                 std::vector<Finding>& findings) {
+  constexpr double kMoved = 2;  // of 255
+  const FrameKey first = KeyOf(*frames.front());
+  for (const TrackedFrame* frame : frames)
+    if (KeyOf(*frame) != first) return;
+  double moved = 0;
+  for (const SeenFrame& seen : all)
+    moved = std::max(moved, DifferenceOf(GlanceOf(seen.image()), GlanceOf(all[0].image())));
+  if (moved > kMoved)
+    findings.push_back({true,
+                        "all " + std::to_string(frames.size()) +
+                            " frames have the same pose and expression, and their images differ: "
+                            "look at the files that the track names for its frames"});
+}
+
+// By file, or by a track and an image that are equal.
+void CheckTestFrames(const TrackedVideo& video, std::vector<Finding>& findings) {
+  std::map<std::string, const TrackedFrame*> files;
+  std::map<FrameKey, const TrackedFrame*> tracked;
+  for (const TrackedFrame& frame : video.train) {
+    if (!frame.image_path.empty()) files[frame.image_path] = &frame;
+    tracked[KeyOf(frame)] = &frame;
+  }
+  size_t same = 0;
+  std::string first;
+  for (const TrackedFrame& frame : video.test) {
+    const TrackedFrame* train = nullptr;
+    if (const auto file = files.find(frame.image_path); file != files.end()) {
+      train = file->second;
+    } else if (const auto track = tracked.find(KeyOf(frame));
+               track != tracked.end() && frame.video_frame < 0) {
+      Problem([&] {  // what cannot be read is said elsewhere
+        if (LoadTrackedImage(video, frame).data == LoadTrackedImage(video, *track->second).data)
+          train = track->second;
+      });
+    }
+    if (train && same++ == 0) first = frame.name + " and " + train->name;
+  }
+  if (same > 0)
+    findings.push_back({true,
+                        std::to_string(same) + " of " + std::to_string(video.test.size()) +
+                            " test frames are training frames, too (" + first +
+                            "): their figures say nothing of unseen frames"});
+}
+
 // Share of the head's points that masks hold.
 void CheckMasks(const std::vector<SeenFrame>& all, std::vector<Finding>& findings) {
   double held = 0, points = 0;
@@ -183,6 +272,29 @@ void CheckMasks(const std::vector<SeenFrame>& all, std::vector<Finding>& finding
                         "the masks hold only " + Format("{:.0f}", 100 * held / points) +
                             " % of the head where the track says it is: look at masks, images and "
                             "cameras"});
+}
+
+// Frames without a mask, or with one that holds all of the image, among those with one.
+void CheckCuts(const TrackedVideo& video,
+               const std::vector<SeenFrame>& all,
+               std::vector<Finding>& findings) {
+  Count cut, whole;
+  size_t trained = 0, trained_cut = 0;
+  for (const SeenFrame& seen : all) {
+    const bool is_cut = SmallestAlpha(seen.image()) < 255;
+    (is_cut ? cut : whole).Add(seen);
+    const bool in_training =
+        seen.frame >= video.train.data() && seen.frame < video.train.data() + video.train.size();
+    trained += in_training, trained_cut += in_training && is_cut;
+  }
+  if (cut.frames == 0 || whole.frames == 0) return;
+  const bool between = 4 * trained_cut >= 3 * trained && trained < all.size() &&
+                       4 * (cut.frames - trained_cut) <= all.size() - trained;
+  findings.push_back(
+      {between || 4 * whole.frames >= all.size(),
+       "in " + Of(whole.frames, all.size()) +
+           " the background is not cut out, in the others it is (first: " + whole.first +
+           "): look at the masks" + (between ? " of the test frames" : "")});
 }
 
 void CheckExpressions(const FlameModel& flame,
@@ -226,12 +338,22 @@ std::vector<float> TrackedVertices(const FlameModel& flame,
 
 std::vector<Finding> CheckTrack(const FlameModel& flame, const TrackedVideo& video) {
   std::vector<Finding> findings;
+  std::vector<const TrackedFrame*> frames;
+  for (const auto* list : {&video.train, &video.test})
+    for (const TrackedFrame& frame : *list)
+      if (frame.has_image) frames.push_back(&frame);
+  if (frames.empty()) return findings;
+  CheckCount(video, findings);
+  CheckLenses(frames, findings);
+  CheckTestFrames(video, findings);
   std::vector<SkippedFrame> skipped;
   const std::vector<SeenFrame> all = LookAt(flame, video, skipped);
   if (all.empty() && !skipped.empty()) CheckSkipped(video.source, 0, skipped);
   NoteSkipped(all.size(), skipped, "frames looked at", findings);
   if (all.empty()) return findings;
   CheckImages(all, findings);
+  CheckMotion(frames, all, findings);
+  CheckCuts(video, all, findings);
   CheckMasks(all, findings);
   CheckPlace(flame, all, findings);
   CheckHeadColors(flame, all, findings);

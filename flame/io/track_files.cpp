@@ -1,5 +1,6 @@
 // What layouts share: where images and masks are, numbers from JSON and .npz, the default split.
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include "splat/base/json.h"
 #include "splat/base/median.h"
 #include "splat/base/npz.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -124,6 +126,14 @@ Camera LensOfTransforms(const JsonField& file, const JsonField& frame) {
     frame.Fail("has an image size that is not positive or above 2^20 px");
   lens.width = int(width);
   lens.height = int(height);
+  for (const char* key : {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "distortion_params"}) {
+    const JsonField& of = frame.Has(key) ? frame : file;
+    if (!of.Has(key)) continue;
+    const JsonField field = of[key];
+    for (const double k :
+         field.raw().is_array() ? field.NumbersOrNan() : std::vector<double>{field.Number()})
+      if (k != 0) field.Fail("is not zero: undistort a track's images first");
+  }
   if (frame.Has("camera_angle_x") && !frame.Has("fl_x")) {  // a frame's own, in another form
     lens.fx = lens.fy = float(width / 2 / std::tan(frame["camera_angle_x"].Number() / 2));
   } else {
@@ -221,6 +231,72 @@ void LoadTransforms(const std::string& file,
     KeepOrSkip(std::move(frame), problem, frames, video);
   }
   NoteTransposed(file, of.transposed, video);
+}
+
+namespace {
+
+float Norm(const std::array<float, 3>& v) { return std::hypot(v[0], v[1], v[2]); }
+
+double DistanceOfHead(const TrackedFrame& frame) {
+  std::array<float, 3> place = frame.camera.translation;
+  for (size_t r = 0; r < 3; ++r)
+    for (size_t k = 0; k < 3; ++k)
+      place[r] += frame.camera.rotation[3 * r + k] * frame.params.translation[k];
+  return Norm(place);
+}
+
+std::string ImpossibleAngle(const FlameParams& params) {
+  constexpr std::array<float, 5> kMaxAngle{12.6f, 3.2f, 3.2f, 3.2f, 3.2f};  // radians
+  constexpr std::array<const char*, 5> kJoints{"head", "neck", "jaw", "left eye", "right eye"};
+  for (size_t j = 0; j < kJoints.size(); ++j)
+    if (Norm(params.pose[j]) > kMaxAngle[j])
+      return Format("turns the {} by {:.3g} radians", kJoints[j], Norm(params.pose[j]));
+  return "";
+}
+
+std::string ImpossibleExpression(const FlameParams& params) {
+  constexpr float kMax = 50;  // standard deviations
+  for (const float e : params.expression)
+    if (std::abs(e) > kMax) return Format("has an expression of {:g} standard deviations", e);
+  return "";
+}
+
+}  // namespace
+
+void SkipImpossible(TrackedVideo& video) {
+  constexpr double kFar = 20;  // times the usual distance
+  std::vector<double> distances;
+  std::vector<size_t> counts;
+  for (const auto* frames : {&video.train, &video.test})
+    for (const TrackedFrame& frame : *frames) {
+      distances.push_back(DistanceOfHead(frame));
+      counts.push_back(frame.params.expression.size());
+    }
+  const double usual = Median(distances);
+  const size_t expressions = Median(counts);
+  size_t in_degrees = 0;
+  std::string first;
+  for (auto* frames : {&video.train, &video.test}) {
+    std::vector<std::string> problems;
+    for (const TrackedFrame& frame : *frames) {
+      const double distance = DistanceOfHead(frame);
+      std::string problem = ImpossibleAngle(frame.params);
+      if (!problem.empty() && in_degrees++ == 0) first = frame.name + " " + problem;
+      if (problem.empty()) problem = ImpossibleExpression(frame.params);
+      if (problem.empty() && frame.params.expression.size() != expressions)
+        problem = Format("has {} expression coefficients, other frames {}",
+                         frame.params.expression.size(),
+                         expressions);
+      if (problem.empty() && usual > 0 && distance > kFar * usual)
+        problem = Format("has the head at a distance of {:.3g}, others at {:.3g}", distance, usual);
+      problems.push_back(problem);
+    }
+    const auto name_of = [](const TrackedFrame& frame) { return frame.name; };
+    *frames = KeepUsable(std::move(*frames), problems, name_of, video.skipped);
+  }
+  // Some are small, and would pass for radians.
+  if (in_degrees > 2 && 20 * in_degrees > counts.size())
+    throw Error(video.source, first, "are the angles in degrees?");
 }
 
 void SortByTime(std::vector<TrackedFrame>& frames) {

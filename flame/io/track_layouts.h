@@ -153,6 +153,9 @@ void LoadTransforms(const std::string& file,
                     std::vector<TrackedFrame>& frames,
                     TrackedVideo& video);
 
+// Skips frames with expressions, angles or a distance that no head has.
+void SkipImpossible(TrackedVideo& video);
+
 void SortByTime(std::vector<TrackedFrame>& frames);
 
 // Moves the last `count` time steps of video.train, with all cameras' frames, to video.test. Throws

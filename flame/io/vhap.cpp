@@ -1,6 +1,9 @@
 // VHAP's export, the training data of GaussianAvatars (Qian et al. 2024).
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <map>
+#include <tuple>
 
 #include "flame/io/track_layouts.h"
 #include "splat/base/camera.h"
@@ -23,7 +26,10 @@ bool AllZero(const std::vector<double>& values) {
 void ReadVhapSubject(const Npz& npz, TrackedVideo& video) {
   std::string problem = CopyFinite("shape", npz.Get("shape").values, video.shape);
   if (problem.empty() && npz.Has("static_offset")) {
-    const std::vector<double>& offsets = npz.Get("static_offset").values;
+    const NpyArray& array = npz.Get("static_offset");
+    if (array.shape.size() > 1 && array.shape.back() != 3)
+      throw Error(npz.path(), "static_offset", "is not of three numbers for each vertex, [V, 3]");
+    const std::vector<double>& offsets = array.values;
     if (!AllZero(offsets)) problem = CopyFinite("static_offset", offsets, video.static_offset);
   }
   if (!problem.empty()) throw Error(npz.path(), problem);
@@ -90,8 +96,8 @@ std::string FindFiles(const JsonField& field, Transforms& of, TrackedFrame& fram
 
 // Fills `frame`; returns why it is unusable, if it is.
 std::string LoadFrame(const JsonField& field, Transforms& of, TrackedFrame& frame) {
-  frame.timestep = int(field.NumberOr("timestep_index", frame.timestep));
-  frame.camera_index = int(field.NumberOr("camera_index", 0));
+  if (field.Has("timestep_index")) frame.timestep = field["timestep_index"].Integer();
+  if (field.Has("camera_index")) frame.camera_index = field["camera_index"].Integer();
   std::string problem = SetVhapPose(field["transform_matrix"], of.transposed, frame.camera);
   if (!problem.empty()) return problem;
   const Camera lens = LensOfTransforms(of.file, field);
@@ -108,6 +114,22 @@ std::string LoadFrame(const JsonField& field, Transforms& of, TrackedFrame& fram
   return problem;
 }
 
+// Two images that one camera took at one time are of a file whose time steps are something else.
+void CheckInstants(const std::string& file, const std::vector<TrackedFrame>& frames) {
+  std::map<std::tuple<int, int, std::array<float, 3>>, const TrackedFrame*> taken;
+  for (const TrackedFrame& frame : frames) {
+    const auto [at, added] =
+        taken.insert({{frame.timestep, frame.camera_index, frame.camera.Center()}, &frame});
+    if (!added)
+      throw Error(file,
+                  "timestep_index",
+                  Format("is {} for both {} and {}, of one camera: it counts the moments",
+                         frame.timestep,
+                         at->second->name,
+                         frame.name));
+  }
+}
+
 // The file with the subject's parameters: canonical, or that of the first frame in the list.
 std::string SubjectFile(const std::string& path) {
   const std::string canonical = path + "/canonical_flame_param.npz";
@@ -122,6 +144,7 @@ std::string SubjectFile(const std::string& path) {
 void LoadVhapTrack(const std::string& path, const TrackRequest& request, TrackedVideo& video) {
   const auto load = [&](const std::string& file, std::vector<TrackedFrame>& frames) {
     LoadTransforms(file, fs::path(file).parent_path().string(), request, LoadFrame, frames, video);
+    CheckInstants(file, frames);
   };
   load(path + "/transforms_train.json", video.train);
   const std::string test = FirstThatExists(path, {"transforms_test.json", "transforms_val.json"});

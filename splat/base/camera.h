@@ -81,4 +81,8 @@ PoseProblem RowsOfPose(const std::vector<double>& numbers,
                        std::array<double, 12>& matrix,
                        bool& transposed);
 
+// Why these are no lens's intrinsics in pixels, with the value, or "": a principal point in the
+// image's corner, a field of view of 160 degrees and more, pixels 1.9 times as wide as high.
+std::string LensProblem(const Camera& lens);
+
 }  // namespace cosplat

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 #include "splat/base/camera.h"
+#include "splat/base/image.h"
 #include "splat/base/text.h"
 #include "splat/math/vec.h"
 
@@ -103,6 +105,25 @@ PoseProblem RowsOfPose(const std::vector<double>& numbers,
   for (size_t r = 0; r < 3; ++r)
     for (size_t c = 0; c < 4; ++c) matrix[4 * r + c] = numbers[4 * c + r];
   transposed = true;
+  return "";
+}
+
+std::string LensProblem(const Camera& lens) {
+  constexpr float kCorner = 1;         // px
+  constexpr float kMinFocal = 0.088f;  // of the width: 160 degrees
+  constexpr float kMaxStretch = 1.9f;  // 16:9 squeezed into a square has 1.78
+  if (std::abs(lens.cx) <= kCorner && std::abs(lens.cy) <= kCorner)
+    return Format(
+        "the principal point is ({:g}, {:g}) px, in the image's corner", lens.cx, lens.cy);
+  if (lens.fx < kMinFocal * float(lens.width) || lens.fy < kMinFocal * float(lens.height))
+    return Format("the focal length {:g} px would see {:.0f} degrees of an image of {} px",
+                  lens.fx,
+                  360 / std::numbers::pi * std::atan(lens.width / (2.0 * lens.fx)),
+                  SizeText(lens.width, lens.height));
+  if (lens.fx > kMaxStretch * lens.fy || lens.fy > kMaxStretch * lens.fx)
+    return Format("the focal lengths are {:g} and {:g} px: pixels are not so far from square",
+                  lens.fx,
+                  lens.fy);
   return "";
 }
 

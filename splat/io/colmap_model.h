@@ -33,6 +33,7 @@ struct ColmapModel {
   std::vector<double> points;         // [P, 3]
   std::vector<uint8_t> point_colors;  // [P, 3]
   double mean_error = 0;              // px: of the points' reprojection; 0 where none is stored
+  std::vector<std::string> notes;     // what a user should know of how it was read
 };
 
 // Reads cameras, images and points3D (.bin, or .txt if there is no .bin) from a folder; points3D is

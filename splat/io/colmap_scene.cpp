@@ -90,6 +90,7 @@ void LoadColmapScene(const std::string& path, const SceneOptions& options, Scene
   scene.layout = "colmap";
   ColmapModel model = LargestModel(SparseFolder(path), scene);
   if (model.images.empty()) throw Error(model.images_file, "contains no images");
+  scene.notes.insert(scene.notes.end(), model.notes.begin(), model.notes.end());
   scene.read_points = std::move(model.points);
   scene.point_colors = std::move(model.point_colors);
   FindPoints({fs::path(model.images_file).parent_path().string() + "/points3D.ply"}, scene);

@@ -1,36 +1,57 @@
+#include <cstdlib>
 #include <filesystem>
 #include <sstream>
+#include <string_view>
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/text.h"
 #include "splat/io/colmap_model.h"
 
 namespace cosplat::colmap {
 namespace {
+
+constexpr std::string_view kCountOfImages = "# Number of images: ";
 
 // The lines of a file, without comments, as streams of words.
 class Lines {
  public:
   explicit Lines(const std::string& path) : path_(path) {
     const std::vector<char> bytes = ReadFile(path);
-    text_.str(std::string(bytes.begin(), bytes.end()));
+    std::string text(bytes.begin(), bytes.end());
+    if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);  // of editors on Windows
+    text_.str(std::move(text));
   }
 
   // The next line that is neither a comment nor blank; false at the end.
   bool NextRecord() {
-    while (Next())
+    while (Next()) {
+      if (line_.starts_with(kCountOfImages))
+        stated_ = std::atol(line_.c_str() + kCountOfImages.size());
       if (line_.find_first_not_of(" \t\r") != std::string::npos && line_[0] != '#') return true;
+    }
     return false;
   }
 
-  // The next line, with any content (an image without observations has a blank second line).
-  bool Next() {
-    if (!std::getline(text_, line_)) return false;
-    ++number_;
-    words_.clear();
-    words_.str(line_);
-    return true;
+  // Skips an image's second line: its observations, numbers in threes, or nothing. Some programs
+  // leave it out: an image has nine numbers and a name.
+  void SkipObservations() {
+    constexpr size_t kNumbers = 9;
+    const auto before = text_.tellg();
+    if (!Next()) return;
+    std::string word;
+    size_t words = 0;
+    bool is_image = false;
+    for (; words < kNumbers + 2 && !is_image && words_ >> word; ++words)
+      is_image = words == kNumbers && !IsNumber(word);
+    if (!is_image && words != kNumbers + 1) return;
+    text_.clear();
+    text_.seekg(before);
+    --number_;
   }
+
+  // The count that images.txt states in a comment; 0 if it does not.
+  size_t stated() const { return stated_ > 0 ? size_t(stated_) : 0; }
 
   // std::stod rather than >>, which does not parse "nan": NaN must be reported by name.
   double Number(const char* what) {
@@ -73,6 +94,20 @@ class Lines {
   std::string Field() const { return "line " + std::to_string(number_); }
 
  private:
+  bool Next() {
+    if (!std::getline(text_, line_)) return false;
+    ++number_;
+    words_.clear();
+    words_.str(line_);
+    return true;
+  }
+
+  static bool IsNumber(const std::string& word) {
+    char* end = nullptr;
+    std::strtod(word.c_str(), &end);
+    return *end == '\0';
+  }
+
   [[noreturn]] void Fail(const std::string& found, const char* what) const {
     throw Error(path_,
                 Field(),
@@ -84,6 +119,7 @@ class Lines {
   std::string line_;
   std::istringstream words_;
   int number_ = 0;
+  long stated_ = 0;
 };
 
 void ReadCamerasText(const std::string& path, ColmapModel& model) {
@@ -109,8 +145,11 @@ void ReadImagesText(const std::string& path, ColmapModel& model) {
     image.camera_id = uint32_t(in.Integer("a camera id"));
     image.name = in.Rest("an image name");
     model.images.push_back(std::move(image));
-    in.Next();  // observations
+    in.SkipObservations();
   }
+  if (in.stated() != 0 && in.stated() != model.images.size())
+    model.notes.push_back(Format(
+        "{} says that it has {} images, and has {}", path, in.stated(), model.images.size()));
 }
 
 void ReadPointsText(const std::string& path, ColmapModel& model) {

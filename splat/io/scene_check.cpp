@@ -4,7 +4,11 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <optional>
+#include <set>
 
+#include "splat/base/median.h"
+#include "splat/base/text.h"
 #include "splat/io/scene_fit.h"
 
 namespace cosplat {
@@ -28,9 +32,80 @@ std::vector<const SceneView*> AllViews(const SceneData& scene) {
   return views;
 }
 
+using Pose = std::pair<std::array<float, 9>, std::array<float, 3>>;
+Pose PoseOf(const SceneView& view) { return {view.camera.rotation, view.camera.translation}; }
+
+// Intrinsics that no photograph has. Returns whether most have them.
+bool CheckLenses(const std::vector<const SceneView*>& views, std::vector<Finding>& findings) {
+  size_t wrong = 0;
+  std::string first;
+  for (const SceneView* view : views) {
+    const Camera& lens = view->camera;
+    std::string problem = LensProblem(lens);
+    if (problem.empty() && !(lens.cx >= 0 && lens.cy >= 0 && lens.cx <= float(lens.width) &&
+                             lens.cy <= float(lens.height)))
+      problem =
+          Format("the principal point ({:g}, {:g}) px is outside of the image", lens.cx, lens.cy);
+    if (!problem.empty() && wrong++ == 0) first = view->name + ": " + problem;
+  }
+  if (wrong > 0)
+    findings.push_back({true,
+                        std::to_string(wrong) + " of " + std::to_string(views.size()) +
+                            " cameras have intrinsics that no photograph has (" + first + ")"});
+  return 2 * wrong >= views.size();
+}
+
+// One file under several names, whose cameras differ.
+void CheckFiles(const std::vector<const SceneView*>& views, std::vector<Finding>& findings) {
+  std::map<std::string, const SceneView*> files;
+  size_t same = 0;
+  std::string file;
+  for (const SceneView* view : views) {
+    const auto [at, added] = files.insert({view->image_path, view});
+    if (added || at->second->camera.Center() == view->camera.Center()) continue;
+    if (same++ == 0) file = view->image_path;
+  }
+  if (same > 0)
+    findings.push_back({true,
+                        std::to_string(same) + " of " + std::to_string(views.size()) +
+                            " views have the image of another one, whose camera is elsewhere (" +
+                            file + "): look at the names in the file of cameras"});
+}
+
+// Cameras so far from the others that the scene's size, which rates of learning and limits of
+// Gaussians follow, is that of their distance.
+void CheckFarCameras(const std::vector<const SceneView*>& views, std::vector<Finding>& findings) {
+  constexpr double kFar = 20, kAstray = 100;  // times the distance of three quarters of them
+  std::array<double, 3> middle{};
+  for (size_t k = 0; k < 3; ++k) {
+    std::vector<float> values;
+    for (const SceneView* view : views) values.push_back(view->camera.Center()[k]);
+    middle[k] = Median(values);
+  }
+  std::vector<double> distances;
+  for (const SceneView* view : views) {
+    const std::array<float, 3> c = view->camera.Center();
+    distances.push_back(std::hypot(c[0] - middle[0], c[1] - middle[1], c[2] - middle[2]));
+  }
+  std::vector<double> sorted = distances;
+  std::sort(sorted.begin(), sorted.end());
+  const double usual = sorted[3 * (sorted.size() - 1) / 4], limit = kFar * usual;
+  const auto far = size_t(sorted.end() - std::upper_bound(sorted.begin(), sorted.end(), limit));
+  if (usual == 0 || far == 0) return;
+  const auto farthest = std::max_element(distances.begin(), distances.end()) - distances.begin();
+  const double times = sorted.back() / usual;
+  // A path that begins on a tripod is long, too.
+  findings.push_back({times > kAstray && (far == 1 || 20 * far <= views.size()),
+                      std::to_string(far) + " of " + std::to_string(views.size()) +
+                          " cameras are far from the others, " + views[size_t(farthest)]->name +
+                          " " + Format("{:.3g}", times) +
+                          " times as far from their middle as three quarters of them: the scene's "
+                          "size is taken from it; take it out if its pose is wrong"});
+}
+
 void CheckCameras(const std::vector<const SceneView*>& views, std::vector<Finding>& findings) {
   if (views.size() < 2) return;
-  std::map<std::pair<std::array<float, 9>, std::array<float, 3>>, const SceneView*> poses;
+  std::map<Pose, const SceneView*> poses;
   std::array<float, 3> low{}, high{};
   size_t twins = 0;
   std::string pair;
@@ -39,8 +114,7 @@ void CheckCameras(const std::vector<const SceneView*>& views, std::vector<Findin
     if (poses.empty()) low = high = center;
     for (int k = 0; k < 3; ++k)
       low[k] = std::min(low[k], center[k]), high[k] = std::max(high[k], center[k]);
-    const auto [at, added] =
-        poses.insert({{view->camera.rotation, view->camera.translation}, view});
+    const auto [at, added] = poses.insert({PoseOf(*view), view});
     if (added) continue;
     if (twins++ == 0) pair = at->second->name + " and " + view->name;
   }
@@ -59,6 +133,7 @@ void CheckCameras(const std::vector<const SceneView*>& views, std::vector<Findin
                         std::to_string(twins) + " of " + std::to_string(views.size()) +
                             " cameras have the pose of another one (" + pair + ")"});
   }
+  if (spread > 1e-6 * std::max(far, 1e-3)) CheckFarCameras(views, findings);
 }
 
 // Thin or dark things are alike at a glance wherever they are: their pixels, beside the transparent
@@ -75,6 +150,17 @@ bool AreSame(const LookedAt& a, const LookedAt& b) {
     sum += std::abs(left.data[i] - right.data[i]), ++count;
   }
   return sum <= kSamePixels * double(count);
+}
+
+bool ShowTheSame(const SceneView& a, const SceneView& b) {
+  LookedAt images[2];
+  const auto load = [](const SceneView& view, LookedAt& one) {
+    one.image = LoadViewImage(view);
+    one.glance = GlanceOf(one.image);
+  };
+  // What cannot be read is said elsewhere.
+  return Problem([&] { load(a, images[0]), load(b, images[1]); }).empty() &&
+         AreSame(images[0], images[1]);
 }
 
 void CheckCount(const SceneData& scene, std::vector<Finding>& findings) {
@@ -106,25 +192,34 @@ void CheckContent(const std::vector<LookedAt>& looked, std::vector<Finding>& fin
   say(flat, flat_name, "are nearly of one colour: there is nothing to learn from them");
 }
 
-// Test views against all training views.
+bool IsTest(const SceneData& scene, const LookedAt& one) {
+  return !scene.test.empty() && one.view >= &scene.test.front() && one.view <= &scene.test.back();
+}
+
+// Test views against all training views: by file; by pose, and those looked at, by image.
 void CheckTestImages(const SceneData& scene,
                      const std::vector<LookedAt>& looked,
                      std::vector<Finding>& findings) {
   size_t same = 0;
   std::string pair;
-  const auto is_test = [&](const LookedAt& one) {
-    return !scene.test.empty() && one.view >= &scene.test.front() && one.view <= &scene.test.back();
-  };
   std::map<std::string, const SceneView*> files;
-  for (const SceneView& view : scene.train) files[view.image_path] = &view;
-  for (const SceneView& view : scene.test)
-    if (const auto at = files.find(view.image_path); at != files.end() && same++ == 0)
-      pair = view.name + " and " + at->second->name;
+  std::map<Pose, const SceneView*> poses;
+  for (const SceneView& view : scene.train) files[view.image_path] = poses[PoseOf(view)] = &view;
+  std::set<const SceneView*> known;
+  for (const SceneView& view : scene.test) {
+    const auto file = files.find(view.image_path);
+    const auto pose = poses.find(PoseOf(view));
+    if (file == files.end() && pose == poses.end()) continue;
+    const SceneView* train = file != files.end() ? file->second : pose->second;
+    if (file == files.end() && !ShowTheSame(view, *train)) continue;  // light may change
+    known.insert(&view);
+    if (same++ == 0) pair = view.name + " and " + train->name;
+  }
   for (const LookedAt& test : looked) {
-    if (!is_test(test) || files.count(test.view->image_path)) continue;
+    if (!IsTest(scene, test) || known.count(test.view)) continue;
     if (ContrastOf(test.image) < kFlat) continue;  // said already
     for (const LookedAt& train : looked) {
-      if (is_test(train) || !AreSame(test, train)) continue;
+      if (IsTest(scene, train) || !AreSame(test, train)) continue;
       if (same++ == 0) pair = test.view->name + " and " + train.view->name;
       break;
     }
@@ -134,6 +229,72 @@ void CheckTestImages(const SceneData& scene,
                         std::to_string(same) + " test images are training images, too (" + pair +
                             "): their figures say nothing of unseen views; take them out of one "
                             "set"});
+}
+
+// The colour of an image's corners if it is one, else nothing: of renderings and of what was cut
+// out.
+std::optional<int> BackgroundOf(const Image8& image) {
+  constexpr int kAlike = 3;  // of 255
+  int low = 255, high = 0;
+  for (const int x : {0, image.width - 1})
+    for (const int y : {0, image.height - 1})
+      for (int c = 0; c < 3; ++c) {
+        low = std::min<int>(low, image.at(x, y, c));
+        high = std::max<int>(high, image.at(x, y, c));
+      }
+  if (high - low > kAlike) return {};
+  return (low + high) / 2;
+}
+
+// Training images on one background, test images on another one.
+void CheckBackgrounds(const SceneData& scene,
+                      const std::vector<LookedAt>& looked,
+                      std::vector<Finding>& findings) {
+  constexpr double kDiffer = 32;  // of 255
+  constexpr int kOpaque = 128;
+  struct Set {
+    double images = 0, transparent = 0, plain = 0, sum = 0;
+    bool Most(double count) const { return images > 0 && 4 * count >= 3 * images; }
+  } sets[2];
+  for (const LookedAt& one : looked) {
+    Set& set = sets[IsTest(scene, one)];
+    ++set.images;
+    if (SmallestAlpha(one.image) < kOpaque) {
+      ++set.transparent;
+    } else if (one.image.channels >= 3) {
+      const std::optional<int> color = BackgroundOf(one.image);
+      if (color) ++set.plain, set.sum += *color;
+    }
+  }
+  const Set &train = sets[0], &test = sets[1];
+  const auto say = [&](const std::string& text) {
+    findings.push_back({true, text + ": the test figures compare different backgrounds"});
+  };
+  if (train.Most(train.transparent) && test.Most(test.images - test.transparent))
+    say("training images are transparent around the subject, and test images are not");
+  else if (test.Most(test.transparent) && train.Most(train.images - train.transparent))
+    say("test images are transparent around the subject, and training images are not");
+  else if (train.Most(train.plain) && test.Most(test.plain) &&
+           std::abs(train.sum / train.plain - test.sum / test.plain) > kDiffer)
+    say(Format("the background of training images is a grey of {:.0f}, and of test images {:.0f}",
+               train.sum / train.plain,
+               test.sum / test.plain));
+}
+
+void CheckMasks(const std::vector<LookedAt>& looked, std::vector<Finding>& findings) {
+  size_t all = 0, masked = 0;
+  std::string name;
+  for (const LookedAt& one : looked) {
+    masked += one.ignored >= 0;
+    if (one.ignored < 1) continue;
+    if (all++ == 0) name = one.view->name;
+  }
+  if (all > 0)
+    findings.push_back({2 * all >= masked,
+                        std::to_string(all) + " of " + std::to_string(masked) +
+                            " masks looked at are black everywhere, which leaves nothing of the "
+                            "image (" +
+                            name + ")"});
 }
 
 void CheckRepeated(const std::vector<LookedAt>& looked, std::vector<Finding>& findings) {
@@ -159,16 +320,20 @@ std::vector<Finding> CheckScene(const SceneData& scene) {
   std::vector<Finding> findings;
   const std::vector<const SceneView*> views = AllViews(scene);
   CheckCount(scene, findings);
+  CheckFiles(views, findings);
   CheckCameras(views, findings);
+  const bool lenses_wrong = CheckLenses(views, findings);
   std::vector<SkippedFrame> skipped;
   const std::vector<LookedAt> looked = LookAt(views, skipped);
   if (looked.empty() || looked.size() + skipped.size() == views.size())
     CheckSkipped(scene.source, looked.size(), skipped);
   NoteSkipped(looked.size(), skipped, "images looked at", findings);
   CheckContent(looked, findings);
+  CheckMasks(looked, findings);
+  CheckBackgrounds(scene, looked, findings);
   CheckTestImages(scene, looked, findings);
   CheckRepeated(looked, findings);
-  CheckFit(scene, looked, findings);
+  if (!lenses_wrong) CheckFit(scene, looked, findings);
   return findings;
 }
 

@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <iterator>
 #include <map>
+#include <set>
+#include <tuple>
 
 #include "splat/base/error.h"
 #include "splat/base/text.h"
@@ -29,19 +31,88 @@ void SortByName(std::vector<SceneView>& views) {
   });
 }
 
-// masks/NAME.png and masks/STEM.png, of views that name no mask of their own.
-void FindMasks(const std::string& path, std::vector<SceneView>& views) {
-  const std::filesystem::path folder = std::filesystem::path(path) / "masks";
-  if (!std::filesystem::is_directory(folder)) return;
-  for (SceneView& view : views) {
-    if (!view.mask_path.empty()) continue;
-    const std::filesystem::path name = std::filesystem::path(view.name);
-    std::filesystem::path stem = name;
-    stem.replace_extension(".png");
-    for (const std::filesystem::path& file : {folder / (name.string() + ".png"), folder / stem})
-      if (view.mask_path.empty() && std::filesystem::is_regular_file(file))
-        view.mask_path = file.string();
+// Those folders of `path` whose name begins with "mask", in whatever case: "masks" first.
+std::vector<std::filesystem::path> MaskFolders(const std::string& path) {
+  std::vector<std::filesystem::path> folders;
+  for (const auto& entry : std::filesystem::directory_iterator(path))
+    if (entry.is_directory() && LowerCase(entry.path().filename().string()).starts_with("mask"))
+      folders.push_back(entry.path());
+  const auto rank = [](const std::filesystem::path& folder) {
+    const std::string name = folder.filename().string();
+    return std::tuple(LowerCase(name) != "masks", name.size(), name);
+  };
+  std::sort(folders.begin(), folders.end(), [&](const auto& a, const auto& b) {
+    return rank(a) < rank(b);
+  });
+  return folders;
+}
+
+// masks/NAME.png, masks/STEM.png and masks/STEM_mask.png, of any image ending, for views that name
+// no mask of their own; masks_2 and so on where there is no masks.
+void FindMasks(SceneData& scene) {
+  const std::vector<std::filesystem::path> folders = MaskFolders(scene.source);
+  const auto is_read = [](const std::filesystem::path& folder) {
+    return LowerCase(folder.filename().string()).starts_with("masks");
+  };
+  size_t all = 0, masked = 0;
+  std::map<std::string, std::vector<SceneView*>> found;
+  DataFiles files(folders.empty() ? scene.source : folders.front().string());
+  for (auto* views : {&scene.train, &scene.test})
+    for (SceneView& view : *views) {
+      const std::string stem =
+          std::filesystem::path(view.name).replace_extension().generic_string();
+      const bool looks = view.mask_path.empty() && !folders.empty() && is_read(folders.front());
+      for (const std::string& name : {view.name + ".png", view.name, stem + "_mask.png"})
+        if (looks && view.mask_path.empty()) view.mask_path = files.FindImage(name);
+      if (looks && !view.mask_path.empty()) found[view.mask_path].push_back(&view);
+      ++all, masked += !view.mask_path.empty();
+    }
+  for (const auto& [file, views] : found) {
+    if (views[0]->name == views.back()->name) continue;
+    scene.notes.push_back(file + " is not used: it would be of " + views[0]->name + " and " +
+                          views.back()->name + ", whose folders masks/ does not have");
+    for (SceneView* view : views) view->mask_path.clear(), --masked;
   }
+  if (masked > 0 && masked < all)
+    scene.notes.push_back(Format("{} of {} views have masks", masked, all));
+  if (masked == 0 && found.empty() && !folders.empty())
+    scene.notes.push_back(folders.front().string() +
+                          (is_read(folders.front())
+                               ? " has no file named after a view, as masks/NAME.png is"
+                               : " is not read: masks/NAME.png is, black where NAME is ignored"));
+}
+
+size_t PartsOf(const std::string& name) {
+  const std::filesystem::path path(name);
+  return size_t(std::distance(path.begin(), path.end()));
+}
+
+// Photographs beside those that have a camera, which structure from motion could not place.
+void NoteImagesWithoutCamera(SceneData& scene) {
+  std::set<std::string> folders, used, roots;  // images and reduced ones have two roots
+  for (const auto* views : {&scene.train, &scene.test})
+    for (const SceneView& view : *views) {
+      const std::filesystem::path file(view.image_path);
+      std::filesystem::path root = file.parent_path();
+      for (size_t i = 1; i < PartsOf(view.name); ++i) root = root.parent_path();
+      roots.insert(root.string());
+      used.insert(file.lexically_normal().string());
+      folders.insert(file.parent_path().string());
+    }
+  if (roots.size() > 1) return;
+  size_t all = 0, without = 0;
+  std::string first;
+  for (const std::string& folder : folders)
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+      if (!IsImageName(entry.path().string())) continue;
+      ++all;
+      const std::string file = entry.path().lexically_normal().string();
+      if (used.contains(file)) continue;
+      if (without++ == 0 || file < first) first = file;
+    }
+  if (without > scene.skipped.size())
+    scene.notes.push_back(
+        Format("{} of {} images have no camera and are not used (first: {})", without, all, first));
 }
 
 // Two names that lead to one file: a folder of the data set is missing, and the end of the names
@@ -79,7 +150,8 @@ SceneData LoadScene(const std::string& path, const SceneOptions& options) {
                 "transforms.json");
   }
   CheckSkipped(path, scene.train.size() + scene.test.size(), scene.skipped);
-  for (std::vector<SceneView>* views : {&scene.train, &scene.test}) FindMasks(path, *views);
+  FindMasks(scene);
+  if (scene.layout == "colmap") NoteImagesWithoutCamera(scene);
   FindPoints({path + "/points3D.ply", path + "/points3d.ply", path + "/sparse_pc.ply"}, scene);
   RefuseSharedImages(scene);
   if (scene.layout != "blender") SortByName(scene.train);  // whose order is kept

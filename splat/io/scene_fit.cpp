@@ -233,7 +233,10 @@ std::vector<LookedAt> LookAt(const std::vector<const SceneView*>& views,
     Image8 whole;
     problems[i] = Problem([&] {
       whole = LoadViewImage(*one.view);
-      LoadIgnored(*one.view);  // training needs both
+      const Image8 ignored = LoadIgnored(*one.view);
+      double sum = 0;
+      for (const uint8_t value : ignored.data) sum += value;
+      if (!ignored.data.empty()) one.ignored = sum / (255.0 * double(ignored.data.size()));
     });
     if (!problems[i].empty()) return;
     one.glance = GlanceOf(whole);

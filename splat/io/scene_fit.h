@@ -19,7 +19,8 @@ struct LookedAt {
   Image8 image;
   Camera camera;  // at that size
   Glance glance{};
-  size_t group = 0;  // neighbours in `views` are of one group
+  double ignored = -1;  // share of the image that its mask ignores; negative without a mask
+  size_t group = 0;     // neighbours in `views` are of one group
 };
 
 // Groups of three neighbours, 24 views in all, less those whose image cannot be used.

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <functional>
 #include <iterator>
+#include <map>
 #include <numbers>
 #include <set>
 
@@ -30,6 +31,9 @@ class FrameFields {
     return file_.Has(key);
   }
   JsonField Get(const std::string& key) const { return frame_.Has(key) ? frame_[key] : file_[key]; }
+  bool IsOwn(const std::string& key) const {
+    return frame_.Has(key);
+  }  // the frame's, not the file's
   double NumberOr(const std::string& key, double fallback) const {
     return Has(key) ? Get(key).Number() : fallback;
   }
@@ -61,17 +65,16 @@ Camera LensOf(const FrameFields& fields, const ImageInfo& info) {
     const JsonField side = fields.Get(key);
     if (side.Integer() < 1) side.Fail("is not positive");
   }
-  if (fields.Has("fl_x")) {
-    lens.fx = float(fields.Pixels("fl_x", "w"));
-  } else {
-    lens.fx = float(FocalFromAngle(fields.Get("camera_angle_x"), lens.width));
-  }
-  lens.fy = lens.fx;
-  if (fields.Has("fl_y")) {
-    lens.fy = float(fields.Pixels("fl_y", "h"));
-  } else if (!fields.Has("fl_x") && fields.Has("camera_angle_y")) {
-    lens.fy = float(FocalFromAngle(fields.Get("camera_angle_y"), lens.height));
-  }
+  // One of the two focal lengths is both where the other is not stated.
+  const auto focal = [&](const std::string& axis, const std::string& side, double length) -> float {
+    if (fields.Has("fl_" + axis)) return float(fields.Pixels("fl_" + axis, side));
+    if (!fields.Has("camera_angle_" + axis)) return 0;
+    return float(FocalFromAngle(fields.Get("camera_angle_" + axis), length));
+  };
+  const float fx = focal("x", "w", lens.width), fy = focal("y", "h", lens.height);
+  if (fx == 0 && fy == 0) fields.Get("camera_angle_x");  // which is missing: says so
+  lens.fx = fx == 0 ? fy : fx;
+  lens.fy = fy == 0 ? lens.fx : fy;
   for (const char* key : {"fl_x", "fl_y"})
     if (fields.Has(key) && !(fields.Get(key).Number() > 0)) fields.Get(key).Fail("is not positive");
   lens.cx = float(fields.Has("cx") ? fields.Pixels("cx", "w") : lens.width / 2.0);
@@ -95,19 +98,29 @@ bool IsFisheye(const FrameFields& fields) {
   model.Fail("camera model " + name + " cannot be undistorted");
 }
 
+// nerfstudio's list of k1, k2, k3, k4, p1, p2 counts before single ones.
 Distortion DistortionOf(const FrameFields& fields) {
   Distortion distortion;
-  const auto k = [&](const char* key) { return fields.NumberOr(key, 0); };
+  std::map<std::string, double> listed;
+  if (fields.Has("distortion_params") &&
+      !(fields.IsOwn("k1") && !fields.IsOwn("distortion_params"))) {
+    const std::vector<float> list = fields.Get("distortion_params").Numbers(6);
+    const char* const names[] = {"k1", "k2", "k3", "k4", "p1", "p2"};
+    for (size_t i = 0; i < list.size(); ++i) listed[names[i]] = double(list[i]);
+  }
+  const auto k = [&](const char* key) {
+    return listed.contains(key) ? listed[key] : fields.NumberOr(key, 0);
+  };
   if (IsFisheye(fields)) {
     distortion.model = Distortion::Model::kFisheye;
     int i = 0;
     for (const char* key : {"k1", "k2", "k3", "k4"}) distortion.k[i++] = k(key);
     return distortion;
   }
-  if (k("k4") != 0) {
-    const JsonField field = fields.Get("k4");
-    field.Fail("an eighth-order radial term cannot be undistorted");
-  }
+  for (const char* key : {"k4", "k5", "k6"})
+    if (k(key) != 0)
+      fields.Get(listed.contains(key) ? "distortion_params" : key)
+          .Fail(std::string(key) + ": terms beyond k3 cannot be undistorted");
   int i = 0;
   for (const char* key : {"k1", "k2", "p1", "p2", "k3"}) {
     distortion.k[i++] = k(key);

@@ -101,4 +101,11 @@ int GreatestAlpha(const Image8& image) {
   return greatest;
 }
 
+int SmallestAlpha(const Image8& image) {
+  int smallest = 255;
+  for (size_t i = 3; image.channels == 4 && i < image.data.size(); i += 4)
+    smallest = std::min<int>(smallest, image.data[i]);
+  return smallest;
+}
+
 }  // namespace cosplat

@@ -29,6 +29,7 @@ double ContrastOf(const Image8& image);
 
 // The greatest alpha; 255 of an image without.
 int GreatestAlpha(const Image8& image);
+int SmallestAlpha(const Image8& image);  // likewise
 
 // Where the camera sees a point: its place in the camera's axes, and px. p_in_world: [3].
 struct Sighting {

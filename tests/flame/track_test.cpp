@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -321,6 +322,51 @@ TEST(TrackedVideo, BadFramesAreSkippedAndListed) {
   ExpectError([&] { set.Load(); }, {"6 of 15", "image/1.png is missing"});
 }
 
+TEST(TrackedVideo, NumbersThatNoHeadHasAreSkipped) {
+  Imavatar set(15);
+  set.WriteImages(4);
+  set.json["frames"][1]["expression"][0] = 100;
+  set.json["frames"][2]["pose"][6] = 12;  // the jaw, in degrees
+  set.json["frames"][3]["world_mat"][0][3] = 1e6;
+  const TrackedVideo video = set.Load();
+  EXPECT_EQ(video.train.size() + video.test.size(), 12u);
+  const char* reasons[] = {"100 standard deviations", "the jaw by 12", "at a distance of 2.5e+05"};
+  ASSERT_EQ(video.skipped.size(), 3u);
+  for (size_t i = 0; i < 3; ++i)
+    EXPECT_NE(video.skipped[i].reason.find(reasons[i]), std::string::npos)
+        << video.skipped[i].reason;
+  for (Json& frame : set.json["frames"])
+    for (Json& angle : frame["pose"]) angle = 57.3 * angle.get<double>();
+  ExpectError([&] { set.Load(); }, {"are the angles in degrees?"});
+  Vhap vhap;
+  vhap.params[3].Add("expr", {1, 2}, std::vector<float>{0.1f, 0.2f});
+  const TrackedVideo other = vhap.Load();
+  ASSERT_EQ(other.skipped.size(), 1u);
+  EXPECT_NE(other.skipped[0].reason.find("has 2 expression coefficients, other frames 3"),
+            std::string::npos)
+      << other.skipped[0].reason;
+}
+
+TEST(TrackedVideo, ImavatarFramesInTheOrderOfText) {
+  Imavatar set(12);
+  set.WriteImages(4);
+  const TrackedVideo right = set.Load();
+  Json& frames = set.json["frames"];
+  std::sort(frames.begin(), frames.end(), [](const Json& a, const Json& b) {
+    return a["file_path"].get<std::string>() < b["file_path"].get<std::string>();
+  });
+  ASSERT_EQ(frames[1]["file_path"], "./image/10");
+  const TrackedVideo sorted = set.Load();
+  ASSERT_EQ(sorted.notes.size(), right.notes.size() + 1);
+  for (const auto of : {&TrackedVideo::train, &TrackedVideo::test}) {
+    ASSERT_EQ((sorted.*of).size(), (right.*of).size());
+    for (size_t i = 0; i < (right.*of).size(); ++i) {
+      EXPECT_EQ((sorted.*of)[i].name, (right.*of)[i].name);
+      EXPECT_EQ((sorted.*of)[i].timestep, (right.*of)[i].timestep);
+    }
+  }
+}
+
 TEST(TrackedVideo, SizesThatDisagree) {
   Imavatar set;
   set.WriteImages(3);
@@ -431,6 +477,10 @@ TEST(TrackedVideo, VhapSubject) {
   EXPECT_EQ(video.shape, (std::vector<float>{1, 2, 3}));
   ASSERT_EQ(video.static_offset.size(), 5143u * 3);  // as it is: see StaticOffsetFor
   EXPECT_FLOAT_EQ(video.static_offset[3], 0.01f);
+  canonical.Add("static_offset", {1, 3, 5143}, offsets);
+  canonical.Write(set.folder / "canonical_flame_param.npz");
+  ExpectError([&] { set.Load(); }, {"canonical_flame_param.npz", "static_offset", "[V, 3]"});
+  canonical.Add("static_offset", {1, 5143, 3}, offsets);
   canonical.Add("shape", {1}, std::vector<float>{std::numeric_limits<float>::infinity()});
   canonical.Write(set.folder / "canonical_flame_param.npz");
   ExpectError([&] { set.Load(); }, {"canonical_flame_param.npz", "shape[0]", "not finite"});
@@ -447,10 +497,16 @@ TEST(TrackedVideo, VhapJsonErrorsNameTheField) {
       {"/frames/2/transform_matrix", 3, {"frames[2].transform_matrix", "an array"}},
       {"/frames/2/flame_param_path", 3, {"flame_param_path", "a string"}},
       {"/frames", Json::object(), {"frames", "an array"}},
+      {"/frames/2/timestep_index", 0.033, {"frames[2].timestep_index", "an integer"}},
+      {"/frames/2/timestep_index", 1, {"timestep_index", "is 1 for both 1 and 2"}},
+      {"/k1", 0.1, {"k1", "undistort"}},
+      {"/frames/2/p2", 0.1, {"frames[2].p2", "undistort"}},
   };
   for (const auto& c : cases) {
     SCOPED_TRACE(c.pointer);
     Vhap set;
+    for (int i = 0; i < 8; ++i)  // of a camera that stands still
+      set.train["frames"][i]["transform_matrix"] = set.train["frames"][0]["transform_matrix"];
     set.train[Json::json_pointer(c.pointer)] = c.value;
     ExpectError([&] { set.Load(); }, c.parts);
   }
@@ -519,7 +575,7 @@ TEST(TrackedVideo, GaussianAvatarsMotionIsADrivingSequence) {
   npz.Add("jaw_pose", {3, 3}, std::vector<float>{.7f, 0, 0, 0, 0, 0, 0, 0, 0});
   npz.Add("eyes_pose",
           {3, 6},
-          std::vector<float>{1, 2, 3, 4, 5, 6, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
+          std::vector<float>{.1f, .2f, .3f, .4f, .5f, .6f, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
   npz.Add("translation", {3, 3}, std::vector<float>{0, 0, -1, 0, 0, 0, 0, 0, -2});
   npz.Add("static_offset", {1, 2, 3}, std::vector<float>{0, 0, 0, 0, 0, .5f});
   npz.Add("dynamic_offset", {3, 2, 3}, std::vector<float>(18, 0.f));
@@ -533,8 +589,8 @@ TEST(TrackedVideo, GaussianAvatarsMotionIsADrivingSequence) {
   EXPECT_EQ(params.expression, (std::vector<float>{1, 2}));
   EXPECT_FLOAT_EQ(params.pose[0][2], .3f);
   EXPECT_FLOAT_EQ(params.pose[2][0], .7f);
-  EXPECT_FLOAT_EQ(params.pose[3][0], 1);  // left, then right
-  EXPECT_FLOAT_EQ(params.pose[4][0], 4);
+  EXPECT_FLOAT_EQ(params.pose[3][0], .1f);  // left, then right
+  EXPECT_FLOAT_EQ(params.pose[4][0], .4f);
   EXPECT_FLOAT_EQ(params.translation[2], -1);
   npz.Add("dynamic_offset", {3, 2, 3}, std::vector<float>(18, .1f));
   npz.Write(folder / "flame_param.npz");

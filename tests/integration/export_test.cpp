@@ -159,6 +159,7 @@ TEST_F(Export, BadInput) {
   const std::string out = folder_ / "out.sog";
   Refuse({"export", "-m", scene_}, {"--ply", "--glb", "--sog"});
   Refuse({"export", "--sog", out}, {"-m", "--splats"});
+  Refuse({"export", "-m", scene_, "--ply", out}, {"--ply", "ends in .sog"});
   Refuse({"export", "-m", scene_, "--ply", out, "--measure"}, {"--measure", "--sog"});
   Refuse({"export", "--splats", ply_, "--sog", out, "--measure"}, {"--measure"});
   Refuse({"export", "-m", scene_, "--sog", out, "--sog-palette", "0"}, {"--sog-palette"});

@@ -138,6 +138,80 @@ TEST_F(Resume, AFinishedRunIsKept) {
   EXPECT_TRUE(fs::exists(out_ + "/test/ours_50"));
 }
 
+// Its options are the same, and its folder of data may have moved; what is in there is not.
+TEST_F(Resume, AFinishedRunIsOfItsData) {
+  const auto scene = [&] { return With(Scene("40", out_), {"--resume"}); };
+  ASSERT_EQ(Cosplat(scene()).code, 0);
+  fs::rename(photos_, folder_ / "moved");
+  ExpectRefused(scene(), {photos_, "is not a folder"});
+  photos_ = folder_ / "moved";
+  EXPECT_EQ(Cosplat(scene()).code, 0);
+  const std::string cameras = photos_ + "/transforms_train.json", good = Slurp(cameras);
+  Json json = ReadJson(cameras);
+  json["frames"][2]["transform_matrix"][0][3] = 3;
+  std::ofstream(cameras) << json.dump();
+  ExpectRefused(scene(), {"train/r_2.png", "has another camera", "--overwrite"});
+  std::ofstream(cameras) << good;
+  json = ReadJson(photos_ + "/transforms_test.json");
+  json["frames"].erase(3);
+  std::ofstream(photos_ + "/transforms_test.json") << json.dump();
+  ExpectRefused(scene(), {"test/r_3.png", "is no held-out view any more", "--overwrite"});
+}
+
+TEST(ResumeAvatar, AFinishedRunIsOfItsTrack) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(MakeSmallAvatar(folder), "");
+  const auto resume = [&] {
+    return Cosplat({"train-avatar",
+                    "-s",
+                    folder / "head",
+                    "--flame",
+                    folder / "head/model.npz",
+                    "-m",
+                    folder / "out",
+                    "--iterations",
+                    "4",
+                    "--gaussians",
+                    "500",
+                    "--resume"});
+  };
+  EXPECT_EQ(resume().code, 0) << resume().err;
+  const std::string track = folder / "head/flame_params.json";
+  Json json = ReadJson(track);
+  json["frames"][1]["expression"][0] = 0.5;
+  std::ofstream(track) << json.dump();
+  const CommandResult other = resume();
+  EXPECT_EQ(other.code, 2);
+  EXPECT_TRUE(Mentions(other.err, "a finished run on another track")) << other.err;
+}
+
+// Figures of other views than those that were held out would not be the run's.
+TEST_F(Resume, NeitherIsAnEvaluationOfOtherData) {
+  ASSERT_EQ(Cosplat(Scene("40", out_)).code, 0);
+  const auto render = [&] { return std::vector<std::string>{"render", "-m", out_, "--quiet"}; };
+  EXPECT_EQ(Cosplat(render()).code, 0);
+  fs::remove(out_ + "/test/ours_40/renders/00003.png");
+  ExpectRefused({"metrics", "-m", out_}, {"renders/00003.png", "is missing"});
+  WriteImage(out_ + "/test/ours_40/renders/00003.png", Image8(8, 8, 3));
+  ExpectRefused({"metrics", "-m", out_}, {"renders/00003.png: is 8x8, that in gt/ 32x32"});
+  EXPECT_EQ(Cosplat(render()).code, 0);
+  fs::copy_file(photos_ + "/transforms_train.json",
+                photos_ + "/transforms_test.json",
+                fs::copy_options::overwrite_existing);
+  ExpectRefused(render(), {"is no held-out view any more"});
+  EXPECT_EQ(Cosplat(With(render(), {"-o", folder_ / "frames"})).code, 0);
+  EXPECT_EQ(Cosplat(With(render(), {"-o", folder_ / "frames"})).code, 0);
+}
+
+TEST_F(Resume, ResultsDoNotGoIntoTheData) {
+  ExpectRefused(Scene("40", photos_), {"-m " + photos_, "is the folder of the data"});
+  ExpectRefused(Scene("40", photos_ + "/train"), {"is a folder of images of the data"});
+  out_ = photos_ + "/out";
+  EXPECT_EQ(Cosplat(Scene("40", out_)).code, 0);
+  EXPECT_EQ(Cosplat(With(Scene("40", out_), {"--overwrite"})).code, 0);
+  ExpectRefused({"render", "-m", out_, "-o", photos_ + "/test"}, {"-o", "of the data"});
+}
+
 TEST_F(Resume, WithoutACheckpointARunBegins) {
   const CommandResult result = Cosplat(With(Scene("40", out_), {"--resume"}));
   EXPECT_EQ(result.code, 0) << result.err;

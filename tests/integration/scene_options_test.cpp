@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "tests/support/expect_error.h"
+
 namespace cosplat {
 namespace {
 
@@ -51,6 +53,21 @@ TEST(ScenePreset, TheDefaultImprovesOn3dgs) {
   EXPECT_FLOAT_EQ(o.ToSettings(1).density.gradient_threshold, 3e-4f);
   EXPECT_TRUE(given.schedule.ResetsOpacityAt(14000))
       << "an interval that is given holds throughout";
+}
+
+TEST(ScenePreset, RefusesOptionsThatExcludeEachOther) {
+  TrainOptions o;
+  o.densify_from = 900;
+  o.densify_until = 300;
+  test::ExpectError([&] { o.ToSettings(1); },
+                    {"--densify_from_iter 900", "--densify_until_iter 300"});
+  o.densify_from.reset();
+  o.ToSettings(1);  // 3DGS's way to add none
+  o.white_background = true;
+  o.ResolveBackground(Background::kBlack);
+  EXPECT_EQ(o.background, Background::kWhite);
+  o.background = Background::kBlack;
+  test::ExpectError([&] { o.ResolveBackground(Background::kBlack); }, {"-w", "two backgrounds"});
 }
 
 TEST(ScenePreset, BlocksLearnAt3dgsRates) {

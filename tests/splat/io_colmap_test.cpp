@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
+#include <sstream>
 
 #include "splat/base/files.h"
 #include "splat/io/colmap_model.h"
@@ -401,6 +402,59 @@ TEST(Scene, MasksAreFoundInTheirFolder) {
   }
   ExpectError([&] { LoadIgnored(scene.train[2]); }, {"masks/img 2.png", "80x50", "160x120"});
   EXPECT_TRUE(LoadIgnored(scene.train[3]).empty());
+}
+
+TEST(Scene, MasksUnderOtherNames) {
+  const Image8 mask(160, 120, 1, 255);
+  for (const char* name : {"Masks/img 1.jpg", "masks_8/img 1.PNG", "masks/img 1_mask.png"}) {
+    const TemporaryFolder folder;
+    WriteScene(folder, PinholeFixture());
+    MakeDirectories(std::filesystem::path(folder / name).parent_path().string());
+    WriteImage(folder / name, mask);
+    const SceneData scene = LoadScene(folder.path(), {});
+    EXPECT_EQ(scene.train[1].mask_path, folder / name);
+    ASSERT_EQ(scene.notes.size(), 1u);
+    EXPECT_NE(scene.notes[0].find("1 of 4 views have masks"), std::string::npos) << scene.notes[0];
+  }
+  for (const char* name : {"mask/img 1.png", "masks/1.png"}) {
+    const TemporaryFolder folder;
+    WriteScene(folder, PinholeFixture());
+    MakeDirectories(std::filesystem::path(folder / name).parent_path().string());
+    WriteImage(folder / name, mask);
+    const SceneData scene = LoadScene(folder.path(), {});
+    ASSERT_EQ(scene.notes.size(), 1u) << name;
+    EXPECT_NE(scene.notes[0].find("masks/NAME.png is"), std::string::npos) << scene.notes[0];
+  }
+}
+
+// Some programs leave out the line of observations; editors put a mark before the first.
+TEST(Colmap, TextAsProgramsWriteIt) {
+  const TemporaryFolder folder;
+  WriteScene(folder, PinholeFixture());
+  std::filesystem::remove_all(folder / "sparse/0");
+  WriteTextModel(folder, PinholeFixture());
+  const size_t views = LoadScene(folder.path(), {}).train.size();
+  const std::vector<char> bytes = ReadFile(folder / "sparse/images.txt");
+  std::istringstream lines(std::string(bytes.begin(), bytes.end()));
+  std::string text = "\xEF\xBB\xBF# Number of images: 50, mean observations per image: 0\n";
+  for (std::string line; std::getline(lines, line);)
+    if (line.find(".png") != std::string::npos) text += line + "\n";
+  WriteFileAtomically(folder / "sparse/images.txt", text);
+  const SceneData scene = LoadScene(folder.path(), {});
+  EXPECT_EQ(scene.train.size(), views);
+  ASSERT_EQ(scene.notes.size(), 1u);
+  EXPECT_NE(scene.notes[0].find("says that it has 50 images, and has 4"), std::string::npos)
+      << scene.notes[0];
+}
+
+TEST(Colmap, ImagesWithoutACameraAreNoted) {
+  const TemporaryFolder folder;
+  WriteScene(folder, PinholeFixture());
+  WriteImage(folder / "images/other.jpg", Image8(160, 120, 3));
+  const SceneData scene = LoadScene(folder.path(), {});
+  ASSERT_EQ(scene.notes.size(), 1u);
+  EXPECT_NE(scene.notes[0].find("1 of 5 images have no camera"), std::string::npos)
+      << scene.notes[0];
 }
 
 TEST(Scene, NothingThereIsAnError) {

@@ -112,6 +112,18 @@ TEST(Nerfstudio, DistortionIsRemoved) {
   ExpectSpots(round.Load().train, 0.1);
 }
 
+// k1, k2, k3, k4, p1, p2.
+TEST(Nerfstudio, DistortionAsAList) {
+  Nerfstudio scene;
+  scene.json["distortion_params"] = {0.1, -0.05, 0.01, 0, 0.002, -0.003};
+  const Distortion listed = scene.Load().train[0].distortion;
+  scene.json.erase("distortion_params");
+  scene.json.update({{"k1", 0.1}, {"k2", -0.05}, {"k3", 0.01}, {"p1", 0.002}, {"p2", -0.003}});
+  const Distortion named = scene.Load().train[0].distortion;
+  EXPECT_EQ(listed.model, named.model);
+  for (size_t i = 0; i < 8; ++i) EXPECT_NEAR(listed.k[i], named.k[i], 1e-8);
+}
+
 TEST(Nerfstudio, IntrinsicsPerFrameOverrideTheFile) {
   Nerfstudio scene;
   scene.json["fl_x"] = 1;
@@ -129,6 +141,8 @@ TEST(Nerfstudio, AnglesServeAsFocalLengths) {
   scene.json["camera_angle_x"] = 3.2;
   ExpectError([&] { scene.Load(); }, {"transforms.json", "camera_angle_x", "3.2"});
   scene.json.erase("camera_angle_x");
+  EXPECT_FLOAT_EQ(scene.Load().train[0].camera.fx, 140);  // of square pixels
+  scene.json.erase("camera_angle_y");
   ExpectError([&] { scene.Load(); }, {"transforms.json", "camera_angle_x", "missing"});
 }
 
@@ -208,7 +222,9 @@ TEST(Nerfstudio, BadJsonNamesTheField) {
       {"/w", 0, {"w", "not positive"}},
       {"/w", 100.5, {"w", "100.5", "an integer"}},
       {"/h", 100, {"0.png", "160x120", "160x100"}},
-      {"/k4", 0.5, {"k4", "eighth-order"}},
+      {"/k4", 0.5, {"k4", "beyond k3"}},
+      {"/k6", 0.5, {"k6", "beyond k3"}},
+      {"/distortion_params", {0, 0, 0, 0.5, 0, 0}, {"distortion_params", "k4", "beyond k3"}},
       {"/camera_model", "EQUIRECTANGULAR", {"camera_model", "EQUIRECTANGULAR"}},
       {"/is_fisheye", 1, {"is_fisheye", "true or false"}},
       {"/ply_file_path", "none.ply", {"none.ply", "No such file"}},

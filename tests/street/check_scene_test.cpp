@@ -136,6 +136,99 @@ TEST(CheckScene, FindsTestImagesThatAreTrainingImages) {
   }
 }
 
+// Too many for all images to be looked at.
+TEST(CheckScene, FindsTestPosesThatAreTrainingPoses) {
+  Scene scene(60);
+  ASSERT_EQ(scene.Load({1, true, false}).test[3].name, "images/30.png");
+  scene.json["frames"][30]["transform_matrix"] = scene.json["frames"][1]["transform_matrix"];
+  EXPECT_FALSE(AnyWrong(CheckScene(scene.Load({1, true, false})))) << "as if the light had changed";
+  WriteImage(scene.folder / "images/30.png", ReadImage(scene.folder / "images/1.png"));
+  const auto findings = CheckScene(scene.Load({1, true, false}));
+  EXPECT_TRUE(Wrong(findings, "1 test images are training images")) << Said(findings);
+}
+
+TEST(CheckScene, FindsIntrinsicsOfNoPhotograph) {
+  const struct {
+    const char* field;
+    double value;
+    const char* said;
+  } cases[] = {{"cx", -3, "outside of the image"},
+               {"cx", 2 * NerfScene::kWidth, "outside of the image"},
+               {"fl_y", NerfScene::kFocal / 2, "not so far from square"},
+               {"fl_x", 0.9, "would see 177 degrees"}};
+  for (const auto& c : cases) {
+    Scene scene;
+    scene.json[c.field] = c.value;
+    if (c.value == 0.9) scene.json["fl_y"] = 0.9;
+    const auto findings = CheckScene(scene.Load());
+    EXPECT_TRUE(Wrong(findings, c.said)) << c.field << ": " << Said(findings);
+    EXPECT_TRUE(Wrong(findings, "24 of 24 cameras")) << Said(findings);
+  }
+  for (const double center : {0.0, 0.5}) {  // of the image, as some programs write it
+    Scene scene;
+    scene.json["cx"] = scene.json["cy"] = center;
+    const auto findings = CheckScene(scene.Load());
+    EXPECT_TRUE(Wrong(findings, "in the image's corner")) << Said(findings);
+    EXPECT_FALSE(Wrong(findings, "mirrored")) << Said(findings);
+  }
+}
+
+TEST(CheckScene, FindsACameraFarFromTheOthers) {
+  for (const double x : {40.0, 1e4, -1e30}) {
+    Scene scene;
+    scene.json["frames"][5]["transform_matrix"][0][3] = x;
+    const std::vector<Finding> findings = CheckScene(scene.Load());
+    const std::string said = Said(findings);
+    EXPECT_NE(said.find("1 of 24 cameras are far from the others, images/5.png"), std::string::npos)
+        << said;
+    EXPECT_EQ(Wrong(findings, "far from the others"), x != 40.0) << said;
+  }
+}
+
+TEST(CheckScene, FindsOneFileUnderManyCameras) {
+  Scene scene;
+  scene.json["frames"][3]["file_path"] = scene.json["frames"][9]["file_path"];
+  const auto findings = CheckScene(scene.Load());
+  EXPECT_TRUE(Wrong(findings, "1 of 24 views have the image of another one")) << Said(findings);
+}
+
+// Of renderings, whose corners are empty: transparent, black or white.
+TEST(CheckScene, FindsOtherBackgroundsOfTestImages) {
+  enum { kAlpha, kBlack, kWhite };
+  const auto said = [](int training, int held_out) {
+    const Scene scene;
+    ChangeImages(scene, [&](int i, Image8& image) {
+      const bool is_test = i == 0 || i == 16 || i == 23;  // by name
+      const int kind = is_test ? held_out : training;
+      Image8 made(image.width, image.height, kind == kAlpha ? 4 : 3);
+      for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+          const bool inside = x > 8 && x < image.width - 8 && y > 8 && y < image.height - 8;
+          for (int c = 0; c < 3; ++c)
+            made.at(x, y, c) = inside ? image.at(x, y, c) : kind == kWhite ? 255 : 0;
+          if (kind == kAlpha) made.at(x, y, 3) = inside ? 255 : 0;
+        }
+      image = made;
+    });
+    return Said(CheckScene(scene.Load({1, true, false})));
+  };
+  for (const int kind : {kAlpha, kBlack, kWhite})
+    EXPECT_EQ(said(kind, kind).find("background"), std::string::npos) << said(kind, kind);
+  for (const auto& [a, b] :
+       {std::pair(kAlpha, kBlack), {kWhite, kAlpha}, {kBlack, kWhite}, {kWhite, kBlack}})
+    EXPECT_NE(said(a, b).find("different backgrounds"), std::string::npos) << said(a, b);
+}
+
+TEST(CheckScene, FindsMasksThatLeaveNothing) {
+  const Scene scene;
+  MakeDirectories(scene.folder / "masks");
+  for (int i = 0; i < 24; ++i)
+    WriteImage(scene.folder / ("masks/" + std::to_string(i) + ".png"),
+               Image8(NerfScene::kWidth, NerfScene::kHeight, 1, i == 0 ? 255 : 0));
+  const auto findings = CheckScene(scene.Load());
+  EXPECT_TRUE(Wrong(findings, "black everywhere")) << Said(findings);
+}
+
 TEST(CheckScene, FindsImagesWithoutContent) {
   const Scene scene;
   ChangeImages(scene, [](int, Image8& image) {

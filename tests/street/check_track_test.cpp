@@ -111,6 +111,55 @@ TEST_F(CheckTrackOf, AStillHeadIsOfAnyMoment) {
   EXPECT_EQ(Said(Check()), "");
 }
 
+// As of a track that names one file of parameters for all.
+TEST_F(CheckTrackOf, OneFaceForAllImages) {
+  const std::vector<TrackedFrame*> frames = FramesInOrder(video_);
+  for (TrackedFrame* frame : frames) {
+    frame->params = frames[0]->params;
+    frame->camera = frames[0]->camera;
+  }
+  EXPECT_TRUE(Wrong(Check(), "all 60 frames have the same pose and expression")) << Said(Check());
+}
+
+TEST_F(CheckTrackOf, TestFramesThatAreTrainingFrames) {
+  const TrackedVideo right = video_;
+  video_.test[3].image_path = video_.train[7].image_path;
+  EXPECT_TRUE(Wrong(Check(), "1 of 10 test frames are training frames")) << Said(Check());
+  video_ = right;
+  for (size_t i = 0; i < 4; ++i) {  // copied under other names
+    const TrackedFrame& train = video_.train[5 * i];
+    video_.test[i].params = train.params;
+    video_.test[i].camera = train.camera;
+    video_.test[i].image = train.image;
+  }
+  EXPECT_TRUE(Wrong(Check(), "4 of 10 test frames are training frames")) << Said(Check());
+}
+
+TEST_F(CheckTrackOf, IntrinsicsOfNoVideo) {
+  for (TrackedFrame* frame : FramesInOrder(video_)) frame->camera.cx = frame->camera.cy = 0.5f;
+  EXPECT_TRUE(Wrong(Check(), "in the image's corner")) << Said(Check());
+}
+
+TEST_F(CheckTrackOf, FewFrames) {
+  video_.train.resize(4);
+  EXPECT_NE(Said(Check()).find("note: 4 training frames:"), std::string::npos) << Said(Check());
+}
+
+TEST_F(CheckTrackOf, MasksThatHoldAllOfSomeImages) {
+  const TrackedVideo right = video_;
+  const auto open = [](TrackedFrame& frame) {
+    Image8 image = *frame.image;
+    for (size_t i = 0; i < image.pixels(); ++i) image.data[4 * i + 3] = 255;
+    frame.image = std::make_shared<Image8>(std::move(image));
+  };
+  for (size_t i = 0; i < video_.train.size(); ++i)
+    if (i % 8 < 4) open(video_.train[i]);
+  EXPECT_TRUE(Wrong(Check(), "the background is not cut out")) << Said(Check());
+  video_ = right;
+  for (TrackedFrame& frame : video_.test) open(frame);
+  EXPECT_TRUE(Wrong(Check(), "look at the masks of the test frames")) << Said(Check());
+}
+
 TEST_F(CheckTrackOf, HeadOutsideOfTheImage) {
   for (TrackedFrame* frame : FramesInOrder(video_)) frame->camera.cx += 200;
   EXPECT_TRUE(Wrong(Check(), "inside the image")) << Said(Check());

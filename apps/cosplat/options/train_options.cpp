@@ -82,6 +82,9 @@ Schedule TrainOptions::ScheduleBy(const PresetRules& rules) const {
   s.last_rate_share = rules.last_rate_share;
   s.densify_from = densify_from.value_or(s.densify_from);
   s.densify_until = densify_until.value_or(s.densify_until);
+  if (densify_from && s.densify_until > 0 && densify_until && s.densify_from > s.densify_until)
+    throw Error("--densify_from_iter " + std::to_string(s.densify_from),
+                "is after --densify_until_iter " + std::to_string(s.densify_until));
   s.densify_every = densify_every.value_or(s.densify_every);
   s.opacity_reset_every = opacity_reset_every.value_or(s.opacity_reset_every);
   s.num_downscales = num_downscales.value_or(rules.num_downscales);
@@ -95,6 +98,8 @@ Device TrainOptions::ResolveDevice() const {
 }
 
 void TrainOptions::ResolveBackground(Background automatic) {
+  if (white_background && background.value_or(Background::kWhite) != Background::kWhite)
+    throw Error("-w, --background", "are two backgrounds: give one");
   if (white_background) background = Background::kWhite;
   background = background.value_or(automatic);
 }

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <iterator>
+#include <map>
 
 #include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/run_folder.h"
@@ -12,7 +14,6 @@
 #include "flame/track.h"
 #include "splat/base/error.h"
 #include "splat/base/text.h"
-#include "splat/io/cameras_json.h"
 
 namespace cosplat {
 namespace {
@@ -31,6 +32,32 @@ void HoldOutFurthestTurned(TrackedVideo& video) {
   for (size_t i = 0; i < turns.size(); ++i)
     (turns[i] > limit ? video.test : kept).push_back(std::move(video.train[i]));
   video.train = std::move(kept);
+}
+
+// As cameras.json has it, which is UTF-8.
+std::string WrittenName(const std::string& name) {
+  return Json::parse(Json(name).dump(-1, ' ', false, Json::error_handler_t::replace))
+      .get<std::string>();
+}
+
+// extent: of all cameras, world units.
+bool SamePose(const Camera& a, const Camera& b, float extent) {
+  constexpr float kRounding = 1e-4f;
+  const std::array<float, 3> p = a.Center(), q = b.Center();
+  bool same = true;
+  for (size_t i = 0; i < 9; ++i) same &= std::abs(a.rotation[i] - b.rotation[i]) <= kRounding;
+  for (size_t k = 0; k < 3; ++k)
+    same &= std::abs(p[k] - q[k]) <= kRounding * (extent + 0.01f * std::abs(p[k]));
+  return same;
+}
+
+float ExtentOf(const std::vector<NamedCamera>& cameras) {
+  float extent = 0;
+  for (const NamedCamera& camera : cameras)
+    for (size_t k = 0; k < 3; ++k)
+      extent =
+          std::max(extent, std::abs(camera.camera.Center()[k] - cameras[0].camera.Center()[k]));
+  return extent;
 }
 
 }  // namespace
@@ -147,11 +174,59 @@ Json ReferenceView(const TrackedVideo& video) {
           {"camera", CameraToJson(video.train[0].camera)}};
 }
 
-void WriteTrackCameras(const std::string& folder, const TrackedVideo& video) {
+std::vector<NamedCamera> CamerasOf(const SceneData& scene) {
+  std::vector<NamedCamera> cameras;
+  for (const auto* views : {&scene.test, &scene.train})
+    for (const SceneView& view : *views) cameras.push_back({view.name, view.camera});
+  return cameras;
+}
+
+std::vector<NamedCamera> CamerasOf(const TrackedVideo& video) {
   std::vector<NamedCamera> cameras;
   for (const auto* frames : {&video.test, &video.train})
     for (const TrackedFrame& frame : *frames) cameras.push_back({frame.name, frame.camera});
-  WriteCamerasJson(folder + "/cameras.json", cameras);
+  return cameras;
+}
+
+void RequireDataOfRun(const std::string& folder,
+                      const std::string& source,
+                      const std::vector<NamedCamera>& views,
+                      size_t held_out,
+                      bool whole) {
+  const JsonField run = ReadRun(folder);
+  if (!run.Has("test_views")) return;
+  const std::vector<NamedCamera> then = ReadCamerasJson(folder + "/cameras.json");
+  const size_t tested = std::min(then.size(), size_t(run["test_views"].Integer()));
+  const float extent = ExtentOf(then);
+  // Names may repeat, of several sequences: by split, those for training first.
+  using ByName = std::multimap<std::string, const Camera*>;
+  ByName now[2], before[2];
+  for (size_t i = 0; i < views.size(); ++i)
+    now[i < held_out].emplace(WrittenName(views[i].name), &views[i].camera);
+  for (size_t i = 0; i < then.size(); ++i)
+    before[i < tested].emplace(then[i].name, &then[i].camera);
+  const auto has = [&](const ByName& cameras, const std::string& name, const Camera& camera) {
+    const auto [first, last] = cameras.equal_range(name);
+    return std::any_of(
+        first, last, [&](const auto& at) { return SamePose(*at.second, camera, extent); });
+  };
+  const auto fail = [&](const std::string& name, const std::string& problem) {
+    throw Error(source,
+                name,
+                problem + ": these are not the data that " + folder +
+                    " was trained on (--overwrite trains again)");
+  };
+  for (const bool is_test : {true, false}) {
+    if (!is_test && !whole && tested > 0) continue;
+    for (const auto& [name, camera] : before[is_test]) {
+      if (!now[is_test].contains(name))
+        fail(name, std::string("is no ") + (is_test ? "held-out" : "training") + " view any more");
+      if (!has(now[is_test], name, *camera)) fail(name, "has another camera than in training");
+    }
+  }
+  for (const auto& [name, camera] : now[true])
+    if (has(before[false], name, *camera) && !has(before[true], name, *camera))
+      fail(name, "is held out now, and was a training view");
 }
 
 FlameParams ReferenceRoot(const JsonField& run) {

@@ -7,6 +7,7 @@
 #include "apps/cosplat/options/train_options.h"
 #include "flame/track.h"
 #include "splat/base/json.h"
+#include "splat/io/cameras_json.h"
 #include "splat/io/dataset.h"
 
 namespace cosplat {
@@ -44,13 +45,25 @@ TrackedVideo LoadSplitVideo(const std::string& source,
                             const DataSplit& split,
                             const FlameModel& flame);
 
+// The cameras by name: of held-out views, then of those for training.
+std::vector<NamedCamera> CamerasOf(const SceneData& scene);
+std::vector<NamedCamera> CamerasOf(const TrackedVideo& video);
+
+// Throws Error(source, ...) if a held-out view of the run, or (whole, or where none was held out)
+// any view of it, is missing from `views` or has another camera there, or if one of the first
+// `held_out` of `views` is a training view of the run: what is said of the run would not be true of
+// these data. Runs of other programs and of earlier versions do not say.
+void RequireDataOfRun(const std::string& folder,
+                      const std::string& source,
+                      const std::vector<NamedCamera>& views,
+                      size_t held_out,
+                      bool whole);
+
 // Background colour of held-out images, from run.json.
 std::array<float, 3> BackgroundOf(const JsonField& run);
 
 // The head's mean root pose and the camera, for run.json; orbits and driven playback start from it.
 Json ReferenceView(const TrackedVideo& video);
-// cameras.json: the test frames', then the training frames'.
-void WriteTrackCameras(const std::string& folder, const TrackedVideo& video);
 // Mean root pose and translation of an avatar's head; all other parameters are zero.
 FlameParams ReferenceRoot(const JsonField& run);
 

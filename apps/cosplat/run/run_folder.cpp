@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "splat/base/data_files.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/io/ply.h"
@@ -41,6 +42,13 @@ bool FilesHold(const JsonField& run) {
                     run["degree"].Integer());
 }
 
+bool HasImages(const std::string& folder) {
+  std::error_code missing;
+  for (const auto& entry : fs::directory_iterator(folder, missing))
+    if (IsImageName(entry.path().string())) return true;
+  return false;
+}
+
 }  // namespace
 
 void WriteRunConfiguration(const std::string& folder,
@@ -51,6 +59,22 @@ void WriteRunConfiguration(const std::string& folder,
   WriteFileAtomically(folder + "/cfg_args", CfgArgs(options));
   WriteFileAtomically(folder + "/config.ini", config_ini);
   WriteFileAtomically(folder + "/run.json", run.dump(2) + "\n");
+}
+
+void RefuseDataFolder(const std::string& option,
+                      const std::string& folder,
+                      const std::string& source) {
+  std::error_code missing;
+  const fs::path data = fs::weakly_canonical(source, missing);
+  fs::path place = fs::weakly_canonical(folder, missing);
+  const fs::path inside = place.lexically_relative(data);
+  if (inside.empty() || *inside.begin() == "..") return;
+  for (; place != data; place = place.parent_path())  // runs may lie in there
+    if (IsRun(place.string())) return;
+  if (inside == "." || HasImages(folder))
+    throw Error(option + " " + folder,
+                std::string(inside == "." ? "is the folder" : "is a folder of images") +
+                    " of the data: results need one of their own");
 }
 
 void RemoveRun(const std::string& folder) {

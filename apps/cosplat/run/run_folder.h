@@ -20,6 +20,12 @@ void WriteRunConfiguration(const std::string& folder,
                            const std::string& config_ini,
                            const Json& run);
 
+// Throws Error(option, ...) if `folder`, which it names for results, is that of the data, or a
+// folder of images in there.
+void RefuseDataFolder(const std::string& option,
+                      const std::string& folder,
+                      const std::string& source);
+
 // Removes what an earlier run, finished or not, left in its folder: its checkpoint, results and
 // splats. Other files stay. Throws Error if that is not possible.
 void RemoveRun(const std::string& folder);

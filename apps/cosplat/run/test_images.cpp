@@ -48,9 +48,22 @@ Figures EvaluateFolder(const std::string& folder,
   Figures figures;
   Json regions = Json::object();
   if (fs::exists(folder + "/regions.json")) regions = ReadJson(folder + "/regions.json");
-  for (const std::string& name : SortedFiles(folder + "/renders")) {
+  const std::vector<std::string> names = SortedFiles(folder + "/renders"),
+                                 truths = SortedFiles(folder + "/gt");
+  if (const auto [render, truth] =
+          std::mismatch(names.begin(), names.end(), truths.begin(), truths.end());
+      render != names.end() || truth != truths.end()) {
+    const bool lacks = render == names.end() || (truth != truths.end() && *truth < *render);
+    throw Error(folder + (lacks ? "/renders/" + *truth : "/gt/" + *render),
+                "is missing: `cosplat render` makes both");
+  }
+  for (const std::string& name : names) {
     const Image8 rendered = ReadImage(folder + "/renders/" + name);
     const Image8 truth = ReadImage(folder + "/gt/" + name);
+    if (rendered.width != truth.width || rendered.height != truth.height)
+      throw Error(folder + "/renders/" + name,
+                  "is " + SizeText(rendered.width, rendered.height) + ", that in gt/ " +
+                      SizeText(truth.width, truth.height));
     if (!HasContent(truth)) {
       ++empty;
       count_view();
