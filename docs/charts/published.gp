@@ -6,7 +6,7 @@ set xlabel "seconds of the whole training (wall clock, logarithmic)"
 set ylabel "PSNR on the test views, dB"
 set logscale x
 set xrange [12:4500]
-set yrange [34.6:36.6]
+set yrange [34.6:36.8]
 set xtics (15, 30, 60, 120, 300, 600, 1200, 2400)
 set grid lc rgb "#dddddd"
 set border 3
@@ -14,13 +14,9 @@ set tics nomirror
 set key bottom left
 size(n) = sqrt(n / 60000.0)
 $cores << EOD
-567 35.95 117404 "18,000 steps"
-636 36.00 120169 "20,500"
-EOD
-$core << EOD
-1336 36.05 56700 "pruned to 56,700"
-2241 36.23 155179 "0.2.0"
-2642 36.42 231957 "30,000 steps"
+289 36.10 114788 "12,000 steps"
+314 36.09 56700 "15,000, pruned to 56,700"
+963 36.48 172869 "30,000 steps"
 EOD
 $gpu << EOD
 21.3 36.11 56700 "pruned to 56,700"
@@ -34,8 +30,6 @@ EOD
 plot $gpu using 1:2:(size($3)) with points pt 7 ps variable lc rgb "#009e73" title "CoSplat, an H100", \
      $gpu using 1:($2 + ($3 < 1e5 ? -0.1 : 0.1)):4 with labels left offset -0.6,0 tc rgb "#009e73" notitle, \
      $cores using 1:2:(size($3)) with points pt 7 ps variable lc rgb "#0072b2" title "CoSplat, two CPU cores", \
-     $cores using 1:($2 + ($3 < 118000 ? -0.12 : 0.14)):4 with labels right offset 0.5,0 tc rgb "#0072b2" notitle, \
-     $core using 1:2:(size($3)) with points pt 7 ps variable lc rgb "#56b4e9" title "CoSplat, one CPU core", \
-     $core using 1:($2 + 0.13):4 with labels center tc rgb "#2a7fb0" notitle, \
+     $cores using 1:($2 + ($1 == 314 ? -0.16 : 0.14)):4 with labels right offset 2,0 tc rgb "#0072b2" notitle, \
      $published using 1:2:(size($3)) with points pt 6 lw 2 ps variable lc rgb "#d55e00" title "published, an A6000", \
      $published using 1:2:4 with labels left offset 1.6,-0.8 tc rgb "#d55e00" notitle
