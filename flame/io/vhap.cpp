@@ -96,7 +96,8 @@ std::string FindFiles(const JsonField& field, Transforms& of, TrackedFrame& fram
 
 // Fills `frame`; returns why it is unusable, if it is.
 std::string LoadFrame(const JsonField& field, Transforms& of, TrackedFrame& frame) {
-  if (field.Has("timestep_index")) frame.timestep = field["timestep_index"].Integer();
+  frame.timestep = field.Has("timestep_index") ? field["timestep_index"].Integer()
+                                               : NumberIn(frame.name).value_or(frame.timestep);
   if (field.Has("camera_index")) frame.camera_index = field["camera_index"].Integer();
   std::string problem = SetVhapPose(field["transform_matrix"], of.transposed, frame.camera);
   if (!problem.empty()) return problem;

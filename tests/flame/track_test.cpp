@@ -367,6 +367,16 @@ TEST(TrackedVideo, ImavatarFramesInTheOrderOfText) {
   }
 }
 
+TEST(TrackedVideo, VhapTimeIsInTheNamesWhereNothingElseSaysIt) {
+  Vhap set(12, 12);
+  for (Json& frame : set.train["frames"]) frame.erase("timestep_index");
+  std::swap(set.train["frames"][2], set.train["frames"][10]);
+  const TrackedVideo video = set.Load({.test_frames = 2});
+  ASSERT_EQ(video.test.size(), 2u);
+  EXPECT_EQ(video.test[0].name, "10");
+  EXPECT_EQ(video.train[2].name, "2");
+}
+
 TEST(TrackedVideo, SizesThatDisagree) {
   Imavatar set;
   set.WriteImages(3);
