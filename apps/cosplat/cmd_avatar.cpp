@@ -59,7 +59,7 @@ bool AreAsAsked(const LandmarkVideo& marks,
 // mattes it had is not known.
 bool HasLandmarks(const AvatarCommand& o, const FrameSource& frames) {
   const std::string& file = o.marks.out;
-  if (!o.marks.matte.empty() || !fs::exists(file) ||
+  if (o.overwrite || !o.marks.matte.empty() || !fs::exists(file) ||
       fs::last_write_time(file) < fs::last_write_time(o.track.source))
     return false;
   const LandmarkVideo marks = ReadLandmarks(file);

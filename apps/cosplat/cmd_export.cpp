@@ -11,6 +11,7 @@
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/export_subject.h"
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/web_model.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
@@ -58,6 +59,16 @@ void Check(const ExportOptions& o) {
       if (other != path && LowerCase(*path).ends_with(ending))
         throw Error("--" + std::string(kind + 1) + " " + *path,
                     "ends in " + std::string(ending) + ", for which other programs would take it");
+  const std::string& model = o.source.model;
+  for (const auto& [kind, path] : files) {
+    if (path->empty() || model.empty()) continue;
+    const std::string name = std::filesystem::path(*path).filename().string();
+    const bool is_runs = IsInside(*path, model + "/point_cloud") || name == "input.ply" ||
+                         name == "avatar.glb" || (name.ends_with(".json") && name != "meta.json");
+    if (is_runs && IsInside(*path, model))
+      throw Error("--" + std::string(kind + 1) + " " + *path,
+                  "is a file of the run: choose another");
+  }
 }
 
 // What files with at most three bands can hold of the subject.
@@ -70,6 +81,13 @@ void CheckDegree(const ExportOptions& o, const ExportSubject& subject) {
           "is 4, but other programs support at most 3: pass --truncate-degree to omit band 4");
 }
 
+// 0 of what is no file, such as a pipe.
+double BytesOf(const std::string& path) {
+  std::error_code none;
+  const auto size = std::filesystem::file_size(path, none);
+  return none ? 0 : double(size);
+}
+
 // `what`: appended for avatars only.
 void Say(const ExportOptions& o,
          const std::string& path,
@@ -79,7 +97,7 @@ void Say(const ExportOptions& o,
   std::printf("%s: %s splats, %.2f MB%s\n",
               path.c_str(),
               WithThousands(subject.gaussians.size()).c_str(),
-              double(std::filesystem::file_size(path)) / 1e6,
+              BytesOf(path) / 1e6,
               subject.is_avatar ? what : "");
   if (subject.gaussians.origin == WorldOrigin{}) return;
   std::printf("%s: coordinates are counted from %s%s\n",

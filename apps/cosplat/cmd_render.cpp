@@ -132,6 +132,13 @@ void RenderScene(const RenderOptions& o, const JsonField& run) {
   const auto tape = rasterizer->MakeTape();
   const RenderSettings settings{BackgroundOf(run), g.degree};
   RenderedImage image, half;
+  bool shows = false;
+  const auto note_if_empty = [&] {
+    if (!shows)
+      std::fprintf(stderr,
+                   "cosplat: %s: no view shows a Gaussian: is it this scene's?\n",
+                   (o.splats.empty() ? o.model : o.splats).c_str());
+  };
   const auto draw = [&](const Camera& camera) -> const RenderedImage& {
     // Isolated, so that waiting for tiles does not pick up the encoding of the previous frame.
     tbb::this_task_arena::isolate([&] {
@@ -143,6 +150,9 @@ void RenderScene(const RenderOptions& o, const JsonField& run) {
                           *tape);
       if (o.preview) EnlargeTwice(half, camera.width, camera.height, image);
     });
+    constexpr float kSeen = 0.98f;  // of the background
+    const Buffer<float>& left = (o.preview ? half : image).transmittance;
+    shows |= std::any_of(left.begin(), left.end(), [&](float t) { return t < kSeen; });
     return image;
   };
   if (!o.out.empty()) {
@@ -151,13 +161,15 @@ void RenderScene(const RenderOptions& o, const JsonField& run) {
     if (o.orbit) cameras = OrbitScene(cameras, kOrbitFrames);
     Output output(o, cameras.size());
     for (const Camera& camera : cameras) output.Write(draw(camera));
-    return output.Finish();
+    output.Finish();
+    return note_if_empty();
   }
   TestImageWriter writer(
       o.model, held_out ? "test" : "train", iteration, settings.background, SuffixOf(o));
   for (const SceneView& view : views)
     writer.Write(draw(view.camera), LoadViewImage(view), {}, LoadIgnored(view));
   writer.Finish();
+  note_if_empty();
   if (!o.quiet) std::printf("%zu views: %s\n", views.size(), writer.path().c_str());
 }
 
@@ -304,7 +316,13 @@ void Render(const RenderOptions& o) {
   if (o.out.empty() && o.preview)
     throw Error("--preview", "needs --out: test views are measured at full size");
   RequireSplats(run);
-  if (!o.out.empty()) RefuseDataFolder("-o", o.out, SourceOf(o, run));
+  if (!o.out.empty()) {
+    RefuseDataFolder("-o", o.out, SourceOf(o, run));
+    RefuseInput("-o", o.out, o.drive.starts_with("audio:") ? o.drive.substr(6) : o.drive);
+    for (const char* results : {"test", "train", "point_cloud"})
+      if (IsInside(o.out, o.model + "/" + results))
+        throw Error("-o " + o.out, "is where the run keeps its results: choose another folder");
+  }
   if (run["kind"].String() == "avatar") {
     RenderAvatar(o, run);
   } else {

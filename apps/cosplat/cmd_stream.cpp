@@ -101,8 +101,8 @@ void Run(const StreamOptions& o) {
   Session session(content);
   const std::optional<Image8> back = SetBackground(o, session, width, height);
   std::signal(SIGPIPE, SIG_IGN);  // who looks may go, which Write says
-  const auto output = OpenLiveVideo(o.to, width, height, o.fps);
   if (!o.drive.empty()) DriverOf(content, 0, false)(session, o.drive);
+  const auto output = OpenLiveVideo(o.to, width, height, o.fps);  // replaces a file
   Stage stage(std::move(content), {AvatarRendererOn(device), SceneRendererOn(device)});
   if (session.is_avatar()) StandOnEdge(session, stage, width, height);
   if (!o.quiet)

@@ -8,6 +8,7 @@
 #include "apps/cosplat/run/head_model.h"
 #include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/track_run.h"
 #include "apps/cosplat/run/train_run.h"
 #include "flame/eyelids.h"
@@ -114,8 +115,7 @@ void WriteRefined(const TrackRunOptions& o,
 // prints a summary. Keeps cameras, shape and the split into training and test frames if the test
 // frames come last. Throws Error before anything is written if the track cannot be refined.
 void RunRefinement(const TrackRunOptions& o) {
-  if (fs::exists(o.out) && fs::equivalent(o.source, o.out))
-    throw Error("-o", "is the track's own folder '" + o.out + "', expected another");
+  RefuseInput("-o", o.out, o.source);
   FlameModel model = LoadFlameModel(o.flame);
   TrackedVideo video = LoadVideo(o, model);
   const auto image = [&](const TrackedFrame& frame) { return LoadTrackedImage(video, frame); };
@@ -138,6 +138,8 @@ void RunRefinement(const TrackRunOptions& o) {
 }
 
 void Track(TrackRunOptions o) {
+  RefuseInput("-o", o.out + "/image", o.source);
+  if (!o.overlay.empty()) RefuseInput("--overlay", o.overlay, o.source);
   if (!o.landmarks.empty()) {
     FrameSource frames(o.source);
     PrintNotes(frames.notes());

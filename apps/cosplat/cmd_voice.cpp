@@ -17,6 +17,7 @@
 
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/run/packet_output.h"
+#include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/voice_drive.h"
 #include "avatar/live/json_frame.h"
 #include "avatar/voice/voice_face.h"
@@ -152,6 +153,7 @@ void Run(const VoiceOptions& o) {
   if (!o.to.empty()) throw Error("--out", "excludes --to: one or the other");
   if (std::filesystem::path(o.out).extension() != ".csv")
     throw Error(o.out, "is no .csv, Live Link Face's table");
+  RefuseInput("-o", o.out, o.sound);
   const ScoreRecording recording = LoadVoice(o.sound, o.seed);
   WriteLiveLinkRecording(recording, o.out);
   if (!o.quiet)

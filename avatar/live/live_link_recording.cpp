@@ -61,6 +61,12 @@ struct Row {
   ScoredFrame frame;
 };
 
+std::string ColumnName(std::string_view arkit) {
+  std::string name(arkit);
+  name[0] = char(name[0] - 'a' + 'A');
+  return name;
+}
+
 class Table {
  public:
   explicit Table(const std::string& path) : path_(path), file_(path) {
@@ -99,6 +105,22 @@ class Table {
   }
   size_t time() const { return time_; }
 
+  // "has no column JawOpen, MouthClose": of the 52 names, but for the tongue, which old phones
+  // lack. Throws Error if it has none of them.
+  std::string LackingColumns() const {
+    std::string lacking;
+    size_t count = 0;
+    for (const std::string_view arkit : kArkitNames) {
+      const std::string name = ColumnName(arkit);
+      if (std::find(names_.begin(), names_.end(), name) != names_.end() || name == "TongueOut")
+        continue;
+      if (++count <= 4) lacking += (lacking.empty() ? "" : ", ") + name;
+    }
+    if (count + 1 >= std::size(kArkitNames))
+      throw Error(path_, "has no blendshape's column, such as JawOpen");
+    return lacking.empty() ? "" : Format("has no column {}{}", lacking, count > 4 ? ", ..." : "");
+  }
+
  private:
   size_t Column(const char* name) const {
     const auto found = std::find(names_.begin(), names_.end(), name);
@@ -126,7 +148,8 @@ class Table {
     for (size_t axis = 0; axis < 3; ++axis) {
       const size_t i = angles_[axis];
       const std::optional<double> angle = NumberOf(cells[i]);
-      if (!angle || std::abs(*angle) > 360 * kDegree) Fail(i, cells[i], "an angle in radians");
+      constexpr double kMaxTurn = 100 * kDegree;  // no camera sees a face that is turned further
+      if (!angle || std::abs(*angle) > kMaxTurn) Fail(i, cells[i], "an angle in radians");
       // Pitch looks up, yaw turns right, roll leans to the right shoulder.
       row.frame.head[axis] = float(axis < 2 ? -*angle : *angle);
     }
@@ -152,19 +175,17 @@ int RateOf(const std::vector<Row>& rows) {
   return kRates[std::size(kRates) - 1];
 }
 
-std::string ColumnName(std::string_view arkit) {
-  std::string name(arkit);
-  name[0] = char(name[0] - 'a' + 'A');
-  return name;
-}
-
 }  // namespace
 
 ScoreRecording LoadLiveLinkRecording(const std::string& path) {
   Table table(path);
   std::vector<Row> rows;
+  size_t without = 0;
   for (std::optional<Row> row; table.Next(row);) {
-    if (!row) continue;
+    if (!row) {
+      ++without;
+      continue;
+    }
     if (!rows.empty()) {
       // Over midnight, or set back.
       double& seconds = row->time.seconds;
@@ -178,6 +199,12 @@ ScoreRecording LoadLiveLinkRecording(const std::string& path) {
   if (rows.empty()) throw Error(path, "no row has scores: the app saw no face");
   const int rate = RateOf(rows);
   ScoreRecording recording;
+  recording.note = table.LackingColumns();
+  if (without > 0)
+    recording.note += Format("{}{} of {} rows have no face",
+                             recording.note.empty() ? "" : "; ",
+                             without,
+                             rows.size() + without);
   int64_t step = 0;
   const auto time_of = [&](const Row& row) {
     return std::llround(row.time.seconds * rate + row.time.frame);
@@ -189,6 +216,12 @@ ScoreRecording LoadLiveLinkRecording(const std::string& path) {
     if (!frames.empty()) step = std::gcd(step, row.frame.timestep);
     frames.push_back(std::move(row.frame));
   }
+  if (8 * recording.frames.size() < rows.size())
+    throw Error(path,
+                "Timecode",
+                Format("has {} times for {} rows: the recording has no clock",
+                       recording.frames.size(),
+                       rows.size()));
   // Of a phone that records every other frame.
   step = std::max<int64_t>(step, 1);
   if (rate % step != 0) step = 1;

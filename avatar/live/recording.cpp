@@ -107,6 +107,19 @@ Recording RecordingOf(const ScoreRecording& scores,
     ApplyBlendshapes(map, frame.scores, params);
     PutOnRest(options.rest, params);
   }
+  recording.note = scores.note;
+  const auto differs = [](const auto& frames, const auto& of) {
+    return std::any_of(
+        frames.begin(), frames.end(), [&](const auto& f) { return of(f) != of(frames[0]); });
+  };
+  if (differs(
+          scores.frames, [](const ScoredFrame& f) -> const auto& { return f.scores; }) &&
+      !differs(
+          recording.frames,
+          [](const RecordedFrame& f) -> const auto& { return f.params.expression; }) &&
+      !differs(
+          recording.frames, [](const RecordedFrame& f) -> const auto& { return f.params.pose; }))
+    throw Error(name, "none of its scores moves the avatar: are they named as ARKit's?");
   return recording;
 }
 

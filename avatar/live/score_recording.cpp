@@ -5,6 +5,7 @@
 
 #include "flame/io/landmarks.h"
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -38,6 +39,8 @@ ScoreRecording LoadScores(const std::string& path) {
     if (recording.frames.empty()) first = frame.frame;
     recording.frames.push_back({int64_t(frame.frame) - first, face->blendshapes, {}});
   }
+  if (const size_t without = video.frames.size() - recording.frames.size(); without > 0)
+    recording.note = Format("{} of {} frames have no face", without, video.frames.size());
   if (recording.frames.empty())
     throw Error(path, "blendshapes", "no face has any: these landmarks drive no avatar");
   return recording;

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "flame/io/track_fit.h"
+#include "flame/math/rodrigues.h"
 #include "flame/pose.h"
 #include "flame/track.h"
 #include "splat/base/text.h"
@@ -208,6 +209,24 @@ void CheckCount(const TrackedVideo& video, std::vector<Finding>& findings) {
                             "turns and speech"});
 }
 
+// A head that lies on its side: a video that was filmed or stored turned.
+void CheckUpright(const std::vector<const TrackedFrame*>& frames, std::vector<Finding>& findings) {
+  size_t lying = 0;
+  for (const TrackedFrame* frame : frames) {
+    const auto root = flame_math::Rodrigues(math::ToVec3(frame->params.pose[0]));
+    float up[3] = {};  // the head's, in the camera's axes
+    for (int r = 0; r < 3; ++r)
+      for (int k = 0; k < 3; ++k) up[r] += frame->camera.rotation[size_t(3 * r + k)] * root(k, 1);
+    const float in_image = std::hypot(up[0], up[1]);
+    lying += in_image > 0.5f && -up[1] < 0.5f * in_image;  // by more than 60 degrees
+  }
+  if (2 * lying > frames.size())
+    findings.push_back({true,
+                        "the head is on its side or upside down in " + std::to_string(lying) +
+                            " of " + std::to_string(frames.size()) +
+                            " frames: is the video turned?"});
+}
+
 // Images that differ although the track says that nothing moved.
 void CheckMotion(const std::vector<const TrackedFrame*>& frames,
                  const std::vector<SeenFrame>& all,
@@ -345,6 +364,7 @@ std::vector<Finding> CheckTrack(const FlameModel& flame, const TrackedVideo& vid
   if (frames.empty()) return findings;
   CheckCount(video, findings);
   CheckLenses(frames, findings);
+  CheckUpright(frames, findings);
   CheckTestFrames(video, findings);
   std::vector<SkippedFrame> skipped;
   const std::vector<SeenFrame> all = LookAt(flame, video, skipped);

@@ -29,7 +29,11 @@ std::string WithoutImageEnding(const std::string& name) {
 
 }  // namespace
 
-bool IsImageName(const std::string& name) { return EndingOf(name) < kImageEndings.size(); }
+bool IsImageName(const std::string& name) {
+  // macOS keeps attributes of 1.jpg in ._1.jpg.
+  return EndingOf(name) < kImageEndings.size() &&
+         !fs::path(name).filename().string().starts_with("._");
+}
 
 std::string ForwardSlashes(const std::string& named) {
   std::string path = named;

@@ -272,6 +272,13 @@ SpzBytes ReadGzipped(const std::string& path, const std::vector<char>& file, Spz
   SpzBytes arrays;
   for (int a = 0; a < kSpzArrayCount; ++a)
     arrays[a] = reader.Read(kSpzNames[a], widths[a] * header.count);
+  if ((header.flags & kSpzExtensions) == 0 && !reader.ReadUpTo(1).empty())
+    throw Error(path,
+                "header",
+                Format("says version {}, {} splats of degree {}, which is less than the file has",
+                       header.version,
+                       header.count,
+                       int(header.degree)));
   return arrays;
 }
 

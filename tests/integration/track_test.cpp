@@ -269,7 +269,8 @@ TEST(Track, RefinesATrackThatThereIs) {
   };
   expect_refused({"track", filmed.images, "--flame", model, "-o", filmed.folder / "no"},
                  {"--landmarks", filmed.images});
-  expect_refused({"track", filmed.head, "--flame", model, "-o", filmed.head}, {"-o", "own folder"});
+  expect_refused({"track", filmed.head, "--flame", model, "-o", filmed.head},
+                 {"-o", "is the input"});
   expect_refused(
       {"track", filmed.head, "--flame", model, "-o", filmed.folder / "no", "--focal", "700"},
       {"--focal", "--landmarks"});

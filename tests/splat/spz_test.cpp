@@ -197,6 +197,8 @@ TEST(Spz, BadHeadersSayWhatIsWrong) {
                {with(40, "\x1c"), {"positions", "28 bytes", "expected 27"}},
                {Gzip(std::string("NGSP\4\0\0\0\0\0\0\0\0\0\0\0", 16)), {"version", "gzip"}},
                {Gzip("something else that is compressed"), {"is not an SPZ file"}},
+               {Gzip(std::string("NGSP\3\0\0\0\1\0\0\0\0\14\0\0", 16) + std::string(40, '\0')),
+                {"header", "1 splats of degree 0", "less than the file has"}},
                {"\x1f\x8b not gzip at all, but it begins so", {"header", "damaged"}},
                // A bomb: a gigabyte of zeros in a megabyte, which claims what they would hold.
                {Gzip(std::string("NGSP\3\0\0\0\0\0\0\2\3\0\0\0", 16) + std::string(1 << 20, '\0')),

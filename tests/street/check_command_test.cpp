@@ -102,5 +102,55 @@ TEST(CheckCommand, TrainingSaysItByItsExitCodeToo) {
   EXPECT_NE(refused.err.find("--strict refuses it"), std::string::npos) << refused.err;
 }
 
+// What is written never takes the place of what is read, or of a run's own files.
+TEST(Outputs, DoNotReplaceInputs) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(MakeSmallAvatar(folder), "");
+  const std::string head = folder / "head", run = folder / "out";
+  const auto refuses = [&](const std::vector<std::string>& arguments, const std::string& part) {
+    const CommandResult result = Cosplat(arguments);
+    EXPECT_EQ(result.code, 2) << result.out << result.err;
+    EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
+  };
+  const std::string flame = head + "/model.npz", marks = head + "/landmarks.json";
+  refuses({"track", head + "/image", "--flame", flame, "--landmarks", marks, "-o", head},
+          "is the input");
+  refuses({"track",
+           head + "/image",
+           "--flame",
+           flame,
+           "--landmarks",
+           marks,
+           "-o",
+           run + "/t",
+           "--overlay",
+           head + "/image"},
+          "is the input");
+  refuses({"track",
+           head + "/image",
+           "--flame",
+           flame,
+           "--landmarks",
+           marks,
+           "-o",
+           run + "/t",
+           "--landmark-embedding",
+           head + "/landmark_embedding.npz",
+           "--focal",
+           "9"},
+          "is in pixels");
+  refuses({"render", "-m", run, "--random", "2", "-o", run + "/test/ours_4/gt"}, "its results");
+  refuses({"export", "-m", run, "--ply", run + "/point_cloud/iteration_4/point_cloud.ply"},
+          "is a file of the run");
+  refuses({"export", "-m", run, "--ply", run + "/cameras.json"}, "is a file of the run");
+  std::ofstream(folder / "film.ts") << "mine";
+  refuses({"stream", run, "--drive", folder / "none.csv", "--to", "file:" + (folder / "film.ts")},
+          "none.csv");
+  EXPECT_EQ(Slurp(folder / "film.ts"), "mine");
+  EXPECT_EQ(Cosplat({"export", "-m", run, "--ply", "/dev/null"}).code, 0);
+  std::filesystem::remove(run + "/run.json");
+  refuses({"info", run}, "run.json");
+}
+
 }  // namespace
 }  // namespace cosplat::test

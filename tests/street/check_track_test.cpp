@@ -135,6 +135,19 @@ TEST_F(CheckTrackOf, TestFramesThatAreTrainingFrames) {
   EXPECT_TRUE(Wrong(Check(), "4 of 10 test frames are training frames")) << Said(Check());
 }
 
+TEST_F(CheckTrackOf, AHeadOnItsSide) {
+  for (TrackedFrame* frame : FramesInOrder(video_)) {  // with its camera
+    const Camera old = frame->camera;
+    for (size_t k = 0; k < 3; ++k) {
+      frame->camera.rotation[k] = -old.rotation[3 + k];
+      frame->camera.rotation[3 + k] = old.rotation[k];
+    }
+    frame->camera.translation[0] = -old.translation[1];
+    frame->camera.translation[1] = old.translation[0];
+  }
+  EXPECT_TRUE(Wrong(Check(), "on its side or upside down in 60 of 60")) << Said(Check());
+}
+
 TEST_F(CheckTrackOf, IntrinsicsOfNoVideo) {
   for (TrackedFrame* frame : FramesInOrder(video_)) frame->camera.cx = frame->camera.cy = 0.5f;
   EXPECT_TRUE(Wrong(Check(), "in the image's corner")) << Said(Check());

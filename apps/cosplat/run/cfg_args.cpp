@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
 #include <map>
 
 #include "apps/cosplat/run/notes.h"
@@ -58,6 +59,8 @@ int IntegerOr(const std::map<std::string, std::string>& arguments, const char* n
 
 Json RunOfCfgArgs(const std::string& folder) {
   const std::string path = folder + "/cfg_args";
+  if (std::filesystem::exists(folder + "/avatar.glb"))
+    throw Error(folder + "/run.json", "is missing: the run's avatar.glb plays without it");
   const std::map<std::string, std::string> arguments = ArgumentsIn(path);
   const auto text = [&](const char* name, const char* fallback) {
     const auto found = arguments.find(name);

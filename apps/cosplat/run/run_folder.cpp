@@ -61,20 +61,34 @@ void WriteRunConfiguration(const std::string& folder,
   WriteFileAtomically(folder + "/run.json", run.dump(2) + "\n");
 }
 
+bool IsInside(const std::string& path, const std::string& folder) {
+  std::error_code missing;
+  const fs::path inside =
+      fs::weakly_canonical(path, missing).lexically_relative(fs::weakly_canonical(folder, missing));
+  return !inside.empty() && *inside.begin() != "..";
+}
+
 void RefuseDataFolder(const std::string& option,
                       const std::string& folder,
                       const std::string& source) {
+  if (!IsInside(folder, source)) return;
   std::error_code missing;
   const fs::path data = fs::weakly_canonical(source, missing);
   fs::path place = fs::weakly_canonical(folder, missing);
-  const fs::path inside = place.lexically_relative(data);
-  if (inside.empty() || *inside.begin() == "..") return;
+  const bool is_data = place == data;
   for (; place != data; place = place.parent_path())  // runs may lie in there
     if (IsRun(place.string())) return;
-  if (inside == "." || HasImages(folder))
+  if (is_data || HasImages(folder))
     throw Error(option + " " + folder,
-                std::string(inside == "." ? "is the folder" : "is a folder of images") +
+                std::string(is_data ? "is the folder" : "is a folder of images") +
                     " of the data: results need one of their own");
+}
+
+void RefuseInput(const std::string& option, const std::string& output, const std::string& input) {
+  std::error_code missing;
+  if (fs::equivalent(output, input, missing))
+    throw Error(option + " " + output,
+                "is the input, which would be replaced: choose another name");
 }
 
 void RemoveRun(const std::string& folder) {

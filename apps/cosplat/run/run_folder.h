@@ -26,6 +26,11 @@ void RefuseDataFolder(const std::string& option,
                       const std::string& folder,
                       const std::string& source);
 
+// Whether a path is that folder or something in it.
+bool IsInside(const std::string& path, const std::string& folder);
+// Throws Error(option, ...) if the file or folder that it names for output is the input.
+void RefuseInput(const std::string& option, const std::string& output, const std::string& input);
+
 // Removes what an earlier run, finished or not, left in its folder: its checkpoint, results and
 // splats. Other files stay. Throws Error if that is not possible.
 void RemoveRun(const std::string& folder);

@@ -6,6 +6,7 @@
 
 #include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/train_run.h"
 #include "flame/eyelids.h"
 #include "flame/fit/face_looks.h"
@@ -37,6 +38,17 @@ void CheckOfVideo(const LandmarkVideo& marks, const std::string& source, FrameSo
                 marks.crop ? "crop.frame_width, frame_height" : "width, height",
                 "are " + SizeText(width, height) + ", " + source + " is " +
                     SizeText(picture.width, picture.height));
+  const double rate = frames.frames_per_second();
+  constexpr double kSameRate = 0.01;
+  if (rate > 0 && marks.frames_per_second > 0 &&
+      std::abs(marks.frames_per_second - rate) > kSameRate * rate)
+    throw Error(marks.file,
+                "frames_per_second",
+                Format("is {:g}, {} has {:g}", marks.frames_per_second, source, rate));
+  const bool same = fs::path(marks.source).filename() == fs::path(source).filename() ||
+                    IsInside(source, marks.source);  // a folder that has the images in another one
+  if (!marks.source.empty() && !same)
+    PrintNotes({marks.file + ": the landmarks are of " + marks.source + ", not of " + source});
   for (size_t i = 0; i < marks.frames.size(); ++i) {
     const LandmarkFrame& frame = marks.frames[i];
     const std::string field = "frames[" + std::to_string(i) + "]";
@@ -223,6 +235,12 @@ TrackRun FitTrack(const TrackRunOptions& o, FrameSource& frames) {
                       : ReadLandmarkEmbedding(o.embedding, run.model, run.marks.point_count());
   if (o.silhouette && run.marks.frames.at(0).matte.empty())
     throw Error("--silhouette", "needs mattes, of which '" + o.landmarks + "' has none");
+  const int side = std::max(frames.in_file().width, frames.in_file().height);
+  constexpr double kMinFocal = 0.3;  // of the longer side: 118 degrees
+  if (o.focal > 0 && o.focal < kMinFocal * side)
+    throw Error(
+        Format("--focal {:g}", o.focal),
+        Format("is in pixels, of a picture of {}: a phone has some {:.0f}", side, 0.8 * side));
   LandmarkFitOptions options;
   options.focal = o.focal;
   options.crop = run.marks.crop;

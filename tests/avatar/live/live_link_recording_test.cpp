@@ -89,11 +89,28 @@ TEST(LiveLinkRecording, ErrorsNameLineColumnAndValue) {
   expect(header + "10:00:00:01.000,61,40,0,0,0\n", {"line 2, JawOpen", "found '40'"});
   expect(header + "10:00:00:01.000,61,nan,0,0,0\n", {"line 2, JawOpen", "found 'nan'"});
   expect(header + "10:00:00:01.000,61,0,0,9,0\n", {"line 2, HeadPitch", "found '9'"});
+  expect(header + "10:00:00:01.000,61,0,0,2,0\n", {"line 2, HeadPitch", "found '2'", "radians"});
   for (const char* time :
        {"", "10:00", "25:00:00:00", "10:60:00:00", "10:00:00:00:1", "10:00:00:61"})
     expect(header + time + ",61,0,0,0,0\n", {"line 2, Timecode", time});
   expect(header + row + "09:00:00:00.000,61,0,0,0,0\n", {"line 3, Timecode", "earlier"});
   ExpectError([&] { LoadScores(folder / "none.csv"); }, {"none.csv", "cannot be read"});
+}
+
+TEST(LiveLinkRecording, SaysWhatItLacks) {
+  const TemporaryFolder folder;
+  const std::string row = ",61,0.5,0,0,0\n", empty = ",0,0,0,0,0\n";
+  const std::string text =
+      kHeader + ("10:00:00:00" + row) + ("10:00:00:01" + row) + ("10:00:00:02" + empty);
+  const std::string note = LoadScores(Written(folder, text)).note;
+  EXPECT_NE(note.find("has no column EyeBlinkLeft, "), std::string::npos) << note;
+  EXPECT_NE(note.find("1 of 3 rows have no face"), std::string::npos) << note;
+  const std::string unknown = "Timecode,BlendShapeCount,b0,HeadPitch,HeadYaw,HeadRoll\n10:00:00:00";
+  ExpectError([&] { LoadScores(Written(folder, unknown + row)); }, {"no blendshape's column"});
+  std::string still = kHeader;
+  for (int i = 0; i < 20; ++i) still += "00:00:00:00.000" + row;
+  ExpectError([&] { LoadScores(Written(folder, still)); },
+              {"Timecode", "1 times for 20 rows", "no clock"});
 }
 
 TEST(LiveLinkRecording, WhatIsWrittenIsRead) {
