@@ -23,12 +23,12 @@ const DetectedFace* LargestScored(const LandmarkFrame& frame) {
 }  // namespace
 
 bool IsScoreRecording(const std::string& path) {
-  const std::string extension = std::filesystem::path(path).extension();
+  const std::string extension = LowerCase(std::filesystem::path(path).extension().string());
   return extension == ".json" || extension == ".csv";
 }
 
 ScoreRecording LoadScores(const std::string& path) {
-  if (std::filesystem::path(path).extension() == ".csv") return LoadLiveLinkRecording(path);
+  if (LowerCase(path).ends_with(".csv")) return LoadLiveLinkRecording(path);
   const LandmarkVideo video = ReadLandmarks(path);
   ScoreRecording recording;
   recording.frames_per_second = video.frames_per_second;

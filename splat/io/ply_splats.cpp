@@ -1,5 +1,6 @@
 // Reads splats from PLY files: 3DGS's, and what other programs have made of it.
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "splat/base/error.h"
@@ -69,6 +70,9 @@ class SplatRows {
         g.at(columns_[k].attribute, i)[columns_[k].component] = Value(row, k);
       if (filter_ >= 0) g.smoothing.push_back(Smoothing(row[size_t(filter_)]));
     }
+    if (AreShares())
+      for (float& dc : g.values[kColorDc])
+        dc = DcOfColor(255 * (0.5 + BasisConstants(Basis::kSh)[0] * double(dc)));
     if (doubles) SetPositions(exact, g);
     if (filter_ >= 0) SetAntialiased(reader_.path(), kAntialiasedBlurVariance, g);
     return g;
@@ -81,6 +85,7 @@ class SplatRows {
     if (filter_ >= 0)
       notes.push_back(
           "has the 3D filter of Mip-Splatting: it is made part of scales and opacities");
+    if (AreShares()) notes.push_back("has colours from 0 to 1, not 255: they are read as shares");
     std::set<std::string> read{"nx", "ny", "nz", "red", "green", "blue", "alpha", kMipFilter};
     for (const PlyColumn& column : columns_) read.insert(column.name);
     std::vector<std::string> others;
@@ -98,13 +103,16 @@ class SplatRows {
     if (discs_ && column.attribute == kScaleLog && column.component == 2) return -1;
     return reader_.Require(column.name);
   }
-  float Value(const std::vector<double>& row, size_t k) const {
+  bool AreShares() const { return bytes_ && fractions_ && most_ <= 1; }
+  float Value(const std::vector<double>& row, size_t k) {
     if (source_[k] < 0) return -kLargestScaleLog;
     const PlyColumn& column = columns_[k];
     double value = row[size_t(source_[k])];
     if (bytes_ && column.attribute == kColorDc) {
       if (!(value >= 0 && value <= 255))
         reader_.Fail(kColors[column.component], "is not in 0..255");
+      most_ = std::max(most_, value);
+      fractions_ |= value != std::floor(value);
       value = DcOfColor(value / 255);
     }
     if (!IsSplatNumber(column.attribute, float(value))) reader_.Fail(column.name, "is not finite");
@@ -119,9 +127,11 @@ class SplatRows {
   PlyReader& reader_;
   int degree_;
   std::vector<PlyColumn> columns_;
-  bool discs_;  // 2DGS: no third scale
-  bool bytes_;  // colours as bytes instead of coefficients (nerfstudio)
-  int filter_;  // of Mip-Splatting, world units; -1: none
+  bool discs_;              // 2DGS: no third scale
+  bool bytes_;              // colours as bytes instead of coefficients (nerfstudio)
+  double most_ = 0;         // of those
+  bool fractions_ = false;  // whether some are between two bytes
+  int filter_;              // of Mip-Splatting, world units; -1: none
   std::vector<int> source_;
 };
 

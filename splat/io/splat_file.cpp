@@ -95,6 +95,7 @@ SplatLayout SplatLayoutOf(const std::string& path) {
 Gaussians ReadSplats(const std::string& path, std::vector<std::string>* notes) {
   Gaussians g = ReadLayout(path, notes);
   if (g.size() == 0) throw Error(path, "has no splats");
+  if (notes) NoteOtherUnits(g, *notes);
   LeaveOutUndrawable(path, g, notes);
   WorldOrigin near = OriginNearPoints(g.size(), [&](size_t i) { return g.at(kPosition, i); });
   for (size_t k = 0; k < 3; ++k) near[k] += g.origin[k];

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 #include "splat/config.h"
 
 namespace cosplat {
@@ -52,6 +53,33 @@ void SettleSplats(Gaussians& g, std::vector<std::string>* notes) {
     notes->push_back(CountOf(opacities, "opacities are infinite: drawn as opaque or transparent"));
   if (notes && points > 0)
     notes->push_back(CountOf(points, "scales are 0: drawn as thin as they can be"));
+}
+
+void NoteOtherUnits(const Gaussians& g, std::vector<std::string>& notes) {
+  constexpr size_t kEnough = 100;  // fewer may be so by chance
+  if (g.size() < kEnough) return;
+  struct Range {
+    float low, high;
+    explicit Range(const Buffer<float>& values) {
+      const auto [first, last] = std::minmax_element(values.begin(), values.end());
+      low = *first, high = *last;
+    }
+    bool IsWithin(float from, float to) const { return low >= from && high <= to; }
+  };
+  const Range opacity(g.values[kOpacityLogit]), scale(g.values[kScaleLog]),
+      color(g.values[kColorDc]), position(g.values[kPosition]);
+  constexpr float kBytes = 30;  // no logit and no colour of a trained scene is so large
+  if (opacity.IsWithin(0, 1) || (opacity.low >= 0 && opacity.high > kBytes))
+    notes.push_back(Format("opacities are from {:.3g} to {:.3g}: are they logits, as 3DGS's?",
+                           opacity.low,
+                           opacity.high));
+  constexpr float kSmallScene = 100;
+  if (scale.low >= 0 && position.high - position.low < kSmallScene)
+    notes.push_back("all sizes are above 1: are the scales logarithms, as 3DGS's?");
+  if (color.IsWithin(0, 1) || (color.low >= 0 && color.high > kBytes))
+    notes.push_back(Format("colours are from {:.3g} to {:.3g}: are they coefficients, as 3DGS's?",
+                           color.low,
+                           color.high));
 }
 
 void LeaveOutUndrawable(const std::string& path, Gaussians& g, std::vector<std::string>* notes) {

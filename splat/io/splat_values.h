@@ -41,6 +41,10 @@ void LeaveOutUndrawable(const std::string& path,
                         Gaussians& gaussians,
                         std::vector<std::string>* notes);
 
+// Adds a line for opacities, sizes or colours whose range is that of another unit: shares or bytes
+// in place of logits, lengths in place of logarithms, colours in place of harmonics' coefficients.
+void NoteOtherUnits(const Gaussians& gaussians, std::vector<std::string>& notes);
+
 // Gives Gaussians without a direction one and makes them transparent, so that other programs do not
 // draw them either. What is not a number stays, for the writer to refuse.
 void HideWithoutRotation(Gaussians& gaussians);

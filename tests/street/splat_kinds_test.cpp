@@ -130,6 +130,18 @@ TEST_F(SplatKinds, ColoursAsBytes) {
     EXPECT_NEAR(0.5f + 0.28209479f * read.at(kColorDc, 7)[k], 0.2f * float(k + 1), 1e-6f);
 }
 
+TEST_F(SplatKinds, ColoursAsShares) {
+  for (int k = 0; k < 3; ++k) {
+    PlyColumnData& column = Column("f_dc_" + std::to_string(k));
+    column.name = k == 0 ? "red" : k == 1 ? "green" : "blue";
+    std::fill(column.values.begin(), column.values.end(), 0.2f * float(k + 1));
+  }
+  const Gaussians read = ReadSplats(Saved("a.ply", columns_), &notes_);
+  EXPECT_TRUE(Mentions(notes_, "read as shares"));
+  for (int k = 0; k < 3; ++k)
+    EXPECT_NEAR(0.5f + 0.28209479f * read.at(kColorDc, 7)[k], 0.2f * float(k + 1), 1e-5f);
+}
+
 TEST_F(SplatKinds, NamesAsCloudCompareWritesThem) {
   for (PlyColumnData& column : columns_)
     if (column.name.size() > 1) column.name = "scalar_" + column.name;

@@ -165,6 +165,28 @@ TEST(InfiniteNumbers, SizesWithoutAnEndAreLeftOut) {
       Mentions(notes, "1 of 10 splats cannot be drawn and are left out: 1 are of infinite"));
 }
 
+// As other programs' splats have them under 3DGS's names.
+TEST(OtherUnits, AreSaid) {
+  const TemporaryFolder folder;
+  const Gaussians good = RandomGaussians(200, 0, Basis::kSh, 3);
+  std::vector<std::string> notes;
+  ReadSplats(SavedPly(folder, good), &notes);
+  EXPECT_TRUE(notes.empty()) << notes[0];
+  const auto said = [&](Attribute attribute, float low, float high) {
+    Gaussians g = good;
+    Buffer<float>& values = g.values[attribute];
+    for (size_t i = 0; i < values.size(); ++i)
+      values[i] = low + (high - low) * float(i) / float(values.size() - 1);
+    notes.clear();
+    ReadSplats(SavedPly(folder, g), &notes);
+    return notes.size() == 1 ? notes[0] : std::to_string(notes.size()) + " notes";
+  };
+  EXPECT_NE(said(kOpacityLogit, 0, 1).find("are they logits"), std::string::npos);
+  EXPECT_NE(said(kOpacityLogit, 0, 255).find("from 0 to 255"), std::string::npos);
+  EXPECT_NE(said(kScaleLog, 0.001f, 0.2f).find("logarithms"), std::string::npos);
+  EXPECT_NE(said(kColorDc, 0.1f, 0.9f).find("are they coefficients"), std::string::npos);
+}
+
 TEST(NumbersThatAreNone, AreRefusedInEveryProperty) {
   const TemporaryFolder folder;
   for (int a = 0; a <= kColorRest; ++a)

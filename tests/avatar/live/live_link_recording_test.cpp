@@ -99,6 +99,7 @@ TEST(LiveLinkRecording, ErrorsNameLineColumnAndValue) {
 
 TEST(LiveLinkRecording, SaysWhatItLacks) {
   const TemporaryFolder folder;
+  EXPECT_TRUE(IsScoreRecording("TAKE.CSV"));
   const std::string row = ",61,0.5,0,0,0\n", empty = ",0,0,0,0,0\n";
   const std::string text =
       kHeader + ("10:00:00:00" + row) + ("10:00:00:01" + row) + ("10:00:00:02" + empty);
