@@ -54,9 +54,10 @@ DataSplit SplitOf(const AvatarOptions& o) {
       {o.resolution, o.eval, o.fold}, o.test_frames.value_or(-1), o.fold_by_turn, o.focal_scale};
 }
 
-// Of the parameters as the files have them, by which a finished run knows its track.
-uint32_t TrackChecksum(const TrackedVideo& video) {
+// Of the parameters as the files have them and the head model, by which a finished run knows them.
+uint32_t TrackChecksum(const FlameModel& flame, const TrackedVideo& video) {
   DataChecksums sums;
+  AddText("the FLAME model", flame.sha256, sums);
   for (const auto* frames : {&video.train, &video.test}) AddTrack("frame", *frames, sums);
   AddText("shape", Json(video.shape).dump() + Json(video.static_offset).dump(), sums);
   AddText("all", Json(sums).dump(), sums);
@@ -170,11 +171,13 @@ bool TrainAvatar(AvatarOptions o, const std::string& config) {
     return o.mouth ? WithMouth(std::move(flame)) : flame;
   };
   if (how == RunStart::kFinished) {
-    const TrackedVideo video = LoadSplitVideo(o.source, SplitOf(o), load_model());
+    const FlameModel flame = load_model();
+    const TrackedVideo video = LoadSplitVideo(o.source, SplitOf(o), flame);
     RequireDataOfRun(o.model, o.source, CamerasOf(video), video.test.size(), true);
     const JsonField run = ReadRun(o.model);
-    if (run.Has("track") && run["track"].Number() != TrackChecksum(video))
-      throw Error(o.model, "holds a finished run on another track: --overwrite replaces it");
+    if (run.Has("track") && run["track"].Number() != TrackChecksum(flame, video))
+      throw Error(o.model,
+                  "holds a finished run on another track or head model: --overwrite replaces it");
     PrintFinished(o);
     return HadSoundData(o.model);
   }
@@ -187,7 +190,7 @@ bool TrainAvatar(AvatarOptions o, const std::string& config) {
   o.ResolveBackground(Background::kRandom);
   FlameModel flame = load_model();
   TrackedVideo loaded = LoadSplitVideo(o.source, SplitOf(o), flame);
-  const uint32_t track = TrackChecksum(loaded);
+  const uint32_t track = TrackChecksum(flame, loaded);
   const bool sound = PrintFindings(o.source, CheckTrack(flame, loaded), o.strict, o.quiet);
   if (TracksEyelids(loaded)) {
     flame = WithEyelids(std::move(flame));

@@ -31,9 +31,8 @@ class FrameFields {
     return file_.Has(key);
   }
   JsonField Get(const std::string& key) const { return frame_.Has(key) ? frame_[key] : file_[key]; }
-  bool IsOwn(const std::string& key) const {
-    return frame_.Has(key);
-  }  // the frame's, not the file's
+  // Whether the frame has it itself.
+  bool IsOwn(const std::string& key) const { return frame_.Has(key); }
   double NumberOr(const std::string& key, double fallback) const {
     return Has(key) ? Get(key).Number() : fallback;
   }

@@ -113,32 +113,21 @@ TEST(Outputs, DoNotReplaceInputs) {
     EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
   };
   const std::string flame = head + "/model.npz", marks = head + "/landmarks.json";
-  refuses({"track", head + "/image", "--flame", flame, "--landmarks", marks, "-o", head},
-          "is the input");
-  refuses({"track",
-           head + "/image",
-           "--flame",
-           flame,
-           "--landmarks",
-           marks,
-           "-o",
-           run + "/t",
-           "--overlay",
-           head + "/image"},
-          "is the input");
-  refuses({"track",
-           head + "/image",
-           "--flame",
-           flame,
-           "--landmarks",
-           marks,
-           "-o",
-           run + "/t",
-           "--landmark-embedding",
-           head + "/landmark_embedding.npz",
-           "--focal",
-           "9"},
-          "is in pixels");
+  const auto refuses_track = [&](std::vector<std::string> more, const std::string& part) {
+    more.insert(more.begin(),
+                {"track",
+                 head + "/image",
+                 "--flame",
+                 flame,
+                 "--landmarks",
+                 marks,
+                 "--landmark-embedding",
+                 head + "/landmark_embedding.npz"});
+    refuses(more, part);
+  };
+  refuses_track({"-o", head}, "is the input");
+  refuses_track({"-o", run + "/t", "--overlay", head + "/image"}, "is the input");
+  refuses_track({"-o", run + "/t", "--focal", "9"}, "is in pixels");
   refuses({"render", "-m", run, "--random", "2", "-o", run + "/test/ours_4/gt"}, "its results");
   refuses({"export", "-m", run, "--ply", run + "/point_cloud/iteration_4/point_cloud.ply"},
           "is a file of the run");

@@ -51,8 +51,10 @@ void FrameSink::Finish() {
   if (count_ == 0) throw Error(path_, "there is no frame to write");
   if (video_) video_->Finish();
   if (!video_ && std::filesystem::exists(Format("{}/{:05d}.png", path_, count_)))
-    std::fprintf(
-        stderr, "cosplat: %s: frames from %05d.png on are of before\n", path_.c_str(), count_);
+    std::fprintf(stderr,
+                 "cosplat: %s: frames from %05d.png on are of an earlier run\n",
+                 path_.c_str(),
+                 count_);
 }
 
 }  // namespace cosplat
