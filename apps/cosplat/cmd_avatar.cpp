@@ -59,11 +59,10 @@ bool AreAsAsked(const LandmarkVideo& marks,
 // mattes it had is not known.
 bool HasLandmarks(const AvatarCommand& o, const FrameSource& frames) {
   const std::string& file = o.marks.out;
-  if (o.overwrite || !o.marks.matte.empty() || !fs::exists(file) ||
-      fs::last_write_time(file) < fs::last_write_time(o.track.source))
-    return false;
+  if (o.overwrite || !o.marks.matte.empty() || !fs::exists(file)) return false;
   const LandmarkVideo marks = ReadLandmarks(file);
-  return marks.source == o.track.source && AreAsAsked(marks, o.marks, frames);
+  return marks.source == o.track.source && marks.source_checksum == frames.Checksum() &&
+         AreAsAsked(marks, o.marks, frames);
 }
 
 std::string LandmarksOf(const AvatarCommand& o, FrameSource& frames) {

@@ -59,6 +59,11 @@ void Check(const ExportOptions& o) {
       if (other != path && LowerCase(*path).ends_with(ending))
         throw Error("--" + std::string(kind + 1) + " " + *path,
                     "ends in " + std::string(ending) + ", for which other programs would take it");
+  for (const auto& [kind, path] : files)
+    for (const char* ending : {".gltf", ".gz", ".zip"})  // text, or packed once more
+      if (LowerCase(*path).ends_with(ending))
+        throw Error("--" + std::string(kind + 1) + " " + *path,
+                    "ends in " + std::string(ending) + ", which it would not be");
   const std::string& model = o.source.model;
   for (const auto& [kind, path] : files) {
     if (path->empty() || model.empty()) continue;

@@ -127,6 +127,7 @@ void DetectLandmarks(const LandmarkRunOptions& o, FrameSource& frames) {
   if (crop && own) own->CropTo(*crop);
   LandmarkVideo video;
   video.source = o.source;
+  video.source_checksum = frames.Checksum();
   video.width = frames.width(), video.height = frames.height();
   video.crop = crop;
   video.frames_per_second = frames.frames_per_second();

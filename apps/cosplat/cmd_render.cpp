@@ -217,7 +217,6 @@ DrivenFaces LoadDrivenFaces(const RenderOptions& o,
   if (avatar.blendshapes) options.blendshapes = &*avatar.blendshapes;
   const Recording recording = LoadDrive(o.drive, options);
   if (!o.quiet) std::printf("%s", UnitLine("track " + o.drive, recording.unit).c_str());
-  if (!recording.note.empty()) PrintNotes({o.drive + ": " + recording.note});
   return {FacesOf(recording), recording.frames_per_second, VideoSoundOf(o.drive)};
 }
 

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "apps/cosplat/commands.h"
+#include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/packet_output.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/voice_drive.h"
@@ -130,11 +131,17 @@ void SayDescriptor(int descriptor, const std::string& name, bool quiet, Speaker&
   speaker.Finish();
 }
 
+ScoreRecording LoadVoiceAloud(const VoiceOptions& o) {
+  ScoreRecording recording = LoadVoice(o.sound, o.seed);
+  for (const std::string& note : recording.notes) PrintNotes({o.sound + ": " + note});
+  return recording;
+}
+
 void Listen(const VoiceOptions& o) {
   Speaker speaker(o);
   if (o.sound == "-") return SayDescriptor(STDIN_FILENO, "standard input", o.quiet, speaker);
   if (!o.sound.empty()) {
-    ScoreRecording recording = LoadVoice(o.sound, o.seed);
+    ScoreRecording recording = LoadVoiceAloud(o);
     return speaker.Send(recording.frames);
   }
   const std::vector<std::string> command = MicrophoneCommand();
@@ -154,7 +161,7 @@ void Run(const VoiceOptions& o) {
   if (std::filesystem::path(o.out).extension() != ".csv")
     throw Error(o.out, "is no .csv, Live Link Face's table");
   RefuseInput("-o", o.out, o.sound);
-  const ScoreRecording recording = LoadVoice(o.sound, o.seed);
+  const ScoreRecording recording = LoadVoiceAloud(o);
   WriteLiveLinkRecording(recording, o.out);
   if (!o.quiet)
     std::printf("%zu frames at %.0f per second: %s\n",

@@ -151,7 +151,6 @@ std::function<void(Session& session, const std::string& drive)> DriverOf(const C
     } else {
       if (verbose) throw Error("--verbose", "is for live drives; '" + drive + "' is a recording");
       const Recording recording = LoadDrive(drive, options);
-      if (!recording.note.empty()) PrintNotes({drive + ": " + recording.note});
       session.SetSequence(FacesOf(recording), recording.frames_per_second);
     }
     session.drive = drive;

@@ -15,7 +15,7 @@ namespace cosplat {
 namespace {
 
 // Rates of timecodes. The app's own is 60; those of devices that it follows are lower.
-constexpr int kRates[] = {24, 25, 30, 48, 50, 60};
+constexpr int kRates[] = {15, 24, 25, 30, 48, 50, 60};
 constexpr double kDaySeconds = 24 * 3600;
 constexpr int kWrittenRate = 60;
 
@@ -107,7 +107,7 @@ class Table {
 
   // "has no column JawOpen, MouthClose": of the 52 names, but for the tongue, which old phones
   // lack. Throws Error if it has none of them.
-  std::string LackingColumns() const {
+  std::vector<std::string> LackingColumns() const {
     std::string lacking;
     size_t count = 0;
     for (const std::string_view arkit : kArkitNames) {
@@ -118,7 +118,8 @@ class Table {
     }
     if (count + 1 >= std::size(kArkitNames))
       throw Error(path_, "has no blendshape's column, such as JawOpen");
-    return lacking.empty() ? "" : Format("has no column {}{}", lacking, count > 4 ? ", ..." : "");
+    if (lacking.empty()) return {};
+    return {Format("has no column {}{}", lacking, count > 4 ? ", ..." : "")};
   }
 
  private:
@@ -175,6 +176,25 @@ int RateOf(const std::vector<Row>& rows) {
   return kRates[std::size(kRates) - 1];
 }
 
+// What is unusual about times and heads.
+void AddNotes(ScoreRecording& recording) {
+  constexpr double kLongSeconds = 10;
+  constexpr float kFarTurned = float(60 * kDegree);  // a camera loses such a face
+  double longest = 0;
+  float turned = 0;
+  int64_t before = 0;
+  for (const ScoredFrame& frame : recording.frames) {
+    longest = std::max(longest, double(frame.timestep - before) / recording.frames_per_second);
+    before = frame.timestep;
+    for (const float angle : frame.head) turned = std::max(turned, std::abs(angle));
+  }
+  if (longest > kLongSeconds)
+    recording.notes.push_back(Format("has no row for {:.0f} s: the last face is held", longest));
+  if (turned > kFarTurned)
+    recording.notes.push_back(
+        Format("turns the head by {:.0f} degrees: are its angles in radians?", turned / kDegree));
+}
+
 }  // namespace
 
 ScoreRecording LoadLiveLinkRecording(const std::string& path) {
@@ -199,12 +219,9 @@ ScoreRecording LoadLiveLinkRecording(const std::string& path) {
   if (rows.empty()) throw Error(path, "no row has scores: the app saw no face");
   const int rate = RateOf(rows);
   ScoreRecording recording;
-  recording.note = table.LackingColumns();
+  recording.notes = table.LackingColumns();
   if (without > 0)
-    recording.note += Format("{}{} of {} rows have no face",
-                             recording.note.empty() ? "" : "; ",
-                             without,
-                             rows.size() + without);
+    recording.notes.push_back(Format("{} of {} rows have no face", without, rows.size() + without));
   int64_t step = 0;
   const auto time_of = [&](const Row& row) {
     return std::llround(row.time.seconds * rate + row.time.frame);
@@ -227,6 +244,7 @@ ScoreRecording LoadLiveLinkRecording(const std::string& path) {
   if (rate % step != 0) step = 1;
   for (ScoredFrame& frame : recording.frames) frame.timestep /= step;
   recording.frames_per_second = double(rate) / double(step);
+  AddNotes(recording);
   return recording;
 }
 

@@ -9,6 +9,8 @@
 #include "avatar/model/avatar_mesh.h"
 #include "flame/track.h"
 #include "splat/base/error.h"
+#include "splat/base/skipped.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -30,6 +32,28 @@ double FrameRate(const std::string& path, double own, const LiveSourceOptions& o
   if (!(rate >= 0.001 && rate <= 10'000))
     throw Error(path, "frames per second", NumberText(rate) + ", expected 0.001 to 10000");
   return rate;
+}
+
+// What a user should know of how a track drives.
+std::vector<std::string> NotesOf(const TrackedVideo& video,
+                                 const std::vector<const FlameParams*>& faces,
+                                 const FlameModel* flame) {
+  constexpr float kMost = 50;  // standard deviations; exaggeration has less
+  std::vector<std::string> notes;
+  if (flame != nullptr)
+    if (const std::string unused = UnusedExpressions(*flame, faces); !unused.empty())
+      notes.push_back(unused);
+  std::vector<Finding> skipped;
+  NoteSkipped(faces.size(), video.skipped, "frames", skipped);
+  for (const Finding& finding : skipped) notes.push_back(finding.text + ": the last face is held");
+  float most = 0;
+  for (const FlameParams* face : faces)
+    for (const float e : face->expression) most = std::max(most, std::abs(e));
+  if (most > kMost)
+    notes.push_back(Format("has expressions of up to {:g} standard deviations", most));
+  for (std::string& note : notes) note.insert(0, video.source + ": ");
+  notes.insert(notes.begin(), video.notes.begin(), video.notes.end());
+  return notes;
 }
 
 class RecordedSource : public LiveSource {
@@ -107,7 +131,7 @@ Recording RecordingOf(const ScoreRecording& scores,
     ApplyBlendshapes(map, frame.scores, params);
     PutOnRest(options.rest, params);
   }
-  recording.note = scores.note;
+  for (const std::string& note : scores.notes) recording.notes.push_back(name + ": " + note);
   const auto differs = [](const auto& frames, const auto& of) {
     return std::any_of(
         frames.begin(), frames.end(), [&](const auto& f) { return of(f) != of(frames[0]); });
@@ -148,7 +172,7 @@ Recording LoadRecording(const std::string& path, const LiveSourceOptions& option
     params.push_back(frame->params);
     faces.push_back(&frame->params);
   }
-  if (options.flame != nullptr) recording.note = UnusedExpressions(*options.flame, faces);
+  recording.notes = NotesOf(video, faces, options.flame);
   params = Retarget(std::move(params), options.rest);
   for (size_t i = 0; i < instants.size(); ++i)
     recording.frames.push_back({int64_t(instants[i]->timestep) - instants[0]->timestep, params[i]});

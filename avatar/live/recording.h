@@ -24,7 +24,7 @@ struct Recording {
   double frames_per_second = 0;       // time steps per second
   double unit = 1;                    // metres per unit of the track as stored
   std::vector<RecordedFrame> frames;  // at least one
-  std::string note;                   // what of it the model cannot show; or empty
+  std::vector<std::string> notes;     // what a user should know of it, each with its name
 };
 
 // Uses the first camera if there are several; scores move expression, jaw and eyes by

@@ -40,7 +40,7 @@ ScoreRecording LoadScores(const std::string& path) {
     recording.frames.push_back({int64_t(frame.frame) - first, face->blendshapes, {}});
   }
   if (const size_t without = video.frames.size() - recording.frames.size(); without > 0)
-    recording.note = Format("{} of {} frames have no face", without, video.frames.size());
+    recording.notes.push_back(Format("{} of {} frames have no face", without, video.frames.size()));
   if (recording.frames.empty())
     throw Error(path, "blendshapes", "no face has any: these landmarks drive no avatar");
   return recording;

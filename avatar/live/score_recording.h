@@ -24,7 +24,7 @@ struct ScoredFrame {
 struct ScoreRecording {
   double frames_per_second = 0;     // 0 if unknown
   std::vector<ScoredFrame> frames;  // at least one
-  std::string note;                 // what a user should know of how it was read, or ""
+  std::vector<std::string> notes;   // what a user should know of how it was read
 };
 
 // By its name's ending, .json or .csv: no tracked video is such a file.

@@ -7,6 +7,7 @@
 #include "splat/base/camera.h"
 #include "splat/base/error.h"
 #include "splat/base/npz.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -107,12 +108,28 @@ std::string ReadRow(const Npz& npz, size_t row, size_t count, FlameParams& param
   return problem.empty() ? OffsetProblem(npz, row, count) : problem;
 }
 
+// Of both tools' names, rows k and k + 5 being one part of the pose; without any the part rests.
+void NoteMissingVectors(const Npz& npz, TrackedVideo& video) {
+  FlameParams ignored;
+  const std::vector<DrivingVectors> vectors = DrivingVectorsOf(ignored);
+  const size_t parts = vectors.size() / 2;
+  const bool released = npz.Has("static_offset");
+  for (size_t k = 0; k < parts; ++k)
+    if (!npz.Has(vectors[k].name) && !npz.Has(vectors[k + parts].name))
+      video.notes.push_back(Format("{}: has no {}, which stays at rest",
+                                   npz.path(),
+                                   vectors[released ? k + parts : k].name));
+}
+
 }  // namespace
 
 void LoadDrivingNpz(const Npz& npz, TrackedVideo& video) {
   const Camera camera = DrivingCamera(npz);
   video.frames_per_second = FrameRateOf(npz);
-  const size_t count = npz.Get("expr", {-1, -1}).shape[0];
+  const NpyArray& expressions = npz.Get("expr", {-1, -1});
+  const size_t count = expressions.shape[0];
+  if (expressions.shape[1] == 0) throw Error(npz.path(), "expr", "has no coefficients");
+  NoteMissingVectors(npz, video);
   const bool has_subject = npz.Has("static_offset");  // GaussianAvatars'
   if (has_subject) ReadVhapSubject(npz, video);
   for (size_t i = 0; i < count; ++i) {

@@ -133,6 +133,13 @@ double FrameRateIn(const JsonField& file) {
   return rate;
 }
 
+uint32_t ChecksumIn(const JsonField& field) {
+  const double sum = field.Number();
+  if (sum < 0 || sum > UINT32_MAX || sum != std::floor(sum))
+    field.Fail(Format("is {:.0f}, expected a CRC-32", sum));
+  return uint32_t(sum);
+}
+
 Json FaceJson(const DetectedFace& face) {
   Json json{{"points", face.points}, {"score", face.score}};
   if (!face.blendshapes.empty()) json["blendshapes"] = face.blendshapes;
@@ -176,6 +183,7 @@ LandmarkVideo ReadLandmarks(const std::string& path) {
   LandmarkVideo video;
   video.file = path;
   video.source = file["source"].String();
+  if (file.Has("source_checksum")) video.source_checksum = ChecksumIn(file["source_checksum"]);
   video.width = file["width"].Integer(1, kMaxImageSide);
   video.height = file["height"].Integer(1, kMaxImageSide);
   if (file.Has("crop")) video.crop = CropOf(file["crop"], video.width, video.height);
@@ -198,6 +206,7 @@ void WriteLandmarks(const std::string& path, const LandmarkVideo& video) {
             {"frames_per_second", video.frames_per_second},
             {"landmarks", NameOf(video.set)},
             {"frames", Json::array()}};
+  if (video.source_checksum) json["source_checksum"] = *video.source_checksum;
   if (video.crop) json["crop"] = CropJson(*video.crop);
   if (video.held_out > 0) json["held_out"] = video.held_out;
   if (video.left_out > 0) json["left_out"] = video.left_out;

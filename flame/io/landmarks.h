@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -74,11 +75,12 @@ struct FrameCrop {
 };
 
 struct LandmarkVideo {
-  std::string file;               // that it was read from, for messages
-  std::string source;             // the video or folder that was looked at, as then given
-  int width = 0, height = 0;      // of the images, px; those of the crop, if there is one
-  std::optional<FrameCrop> crop;  // points and mattes are its
-  double frames_per_second = 0;   // 0 if unknown
+  std::string file;                         // that it was read from, for messages
+  std::string source;                       // the video or folder that was looked at, as then given
+  std::optional<uint32_t> source_checksum;  // CRC-32 of the video, or of the images in their order
+  int width = 0, height = 0;                // of the images, px; those of the crop, if there is one
+  std::optional<FrameCrop> crop;            // points and mattes are its
+  double frames_per_second = 0;             // 0 if unknown
   LandmarkSet set = LandmarkSet::kMediapipe478;
   std::vector<LandmarkFrame> frames;
   int held_out = 0;  // of the frames, at the end, are for testing; 0: nobody said

@@ -53,6 +53,19 @@ bool IsSpecialFile(const std::string& path) {
   return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
 }
 
+// In their order.
+void ForBlocks(const std::string& path, const std::function<void(const char*, size_t)>& use) {
+  std::error_code code;
+  if (fs::is_directory(path, code)) throw Error(path, "is a folder, expected a file");
+  errno = 0;
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw Error(path, "cannot be read: " + SystemReason("open failed"));
+  std::vector<char> block(1 << 16);
+  while (stream.read(block.data(), block.size()) || stream.gcount() > 0)
+    use(block.data(), size_t(stream.gcount()));
+  if (stream.bad()) throw Error(path, "read failed: " + SystemReason("stream error"));
+}
+
 void WriteStream(const std::string& file,
                  const std::string& name_in_errors,
                  const std::function<void(std::ostream&)>& write) {
@@ -96,17 +109,12 @@ bool IsAbandoned(const std::string& name) {
 
 std::vector<char> ReadFile(const std::string& path) {
   std::error_code code;
-  if (fs::is_directory(path, code)) throw Error(path, "is a folder, expected a file");
-  errno = 0;
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw Error(path, "cannot be read: " + SystemReason("open failed"));
   std::vector<char> bytes;
   const auto size = fs::file_size(path, code);
   if (!code) bytes.reserve(size);
-  std::vector<char> block(1 << 16);
-  while (stream.read(block.data(), block.size()) || stream.gcount() > 0)
-    bytes.insert(bytes.end(), block.data(), block.data() + stream.gcount());
-  if (stream.bad()) throw Error(path, "read failed: " + SystemReason("stream error"));
+  ForBlocks(path, [&](const char* block, size_t count) {
+    bytes.insert(bytes.end(), block, block + count);
+  });
   return bytes;
 }
 
@@ -167,6 +175,11 @@ void MakeDirectories(const std::string& path) {
   fs::create_directories(path, code);
   if (!code && !fs::is_directory(path)) code = std::make_error_code(std::errc::not_a_directory);
   if (code) throw Error(path, "cannot create folder: " + code.message());
+}
+
+uint32_t Crc32OfFile(const std::string& path, uint32_t before) {
+  ForBlocks(path, [&](const char* block, size_t count) { before = Crc32(block, count, before); });
+  return before;
 }
 
 std::string Sha256OfFile(const std::string& path) {

@@ -50,6 +50,8 @@ std::string Sha256OfFile(const std::string& path);
 // CRC-32 (ISO 3309, as in zip and PNG) of `size` bytes that follow those with checksum `before`:
 // finds damage and changes that are not malicious.
 uint32_t Crc32(const void* bytes, size_t size, uint32_t before = 0);
+// Throws Error as ReadFile does.
+uint32_t Crc32OfFile(const std::string& path, uint32_t before = 0);
 
 // From the first bytes of a file (64 are enough), for the errors of all readers: what it is that is
 // not what a reader expects, and what to do about it, as the end of a sentence ("is a web page ...,

@@ -55,6 +55,29 @@ bool CheckLenses(const std::vector<const SceneView*>& views, std::vector<Finding
   return 2 * wrong >= views.size();
 }
 
+// Images of one size whose field of view differs from most others' by more than calibration does.
+void CheckMixedLenses(const std::vector<const SceneView*>& views, std::vector<Finding>& findings) {
+  constexpr float kOther = 1.25f;
+  std::map<std::pair<int, int>, std::vector<float>> focals;
+  for (const SceneView* view : views)
+    focals[{view->camera.width, view->camera.height}].push_back(view->camera.fx);
+  std::map<std::pair<int, int>, float> medians;
+  for (auto& [size, values] : focals) medians[size] = Median(values);
+  size_t other = 0;
+  std::string first;
+  for (const SceneView* view : views) {
+    const Camera& lens = view->camera;
+    const float usual = medians[{lens.width, lens.height}];
+    if (std::max(lens.fx, usual) < kOther * std::min(lens.fx, usual) || other++ > 0) continue;
+    first = Format("{}: {:g} px, for {:g} px", view->name, lens.fx, usual);
+  }
+  if (other > 0)
+    findings.push_back({false,
+                        std::to_string(other) + " of " + std::to_string(views.size()) +
+                            " cameras have another focal length than most images of their size (" +
+                            first + "): right only if there were several lenses, or a zoom"});
+}
+
 // One file under several names, whose cameras differ.
 void CheckFiles(const std::vector<const SceneView*>& views, std::vector<Finding>& findings) {
   std::map<std::string, const SceneView*> files;
@@ -323,6 +346,7 @@ std::vector<Finding> CheckScene(const SceneData& scene) {
   CheckFiles(views, findings);
   CheckCameras(views, findings);
   const bool lenses_wrong = CheckLenses(views, findings);
+  CheckMixedLenses(views, findings);
   std::vector<SkippedFrame> skipped;
   const std::vector<LookedAt> looked = LookAt(views, skipped);
   if (looked.empty() || looked.size() + skipped.size() == views.size())

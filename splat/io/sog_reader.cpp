@@ -140,6 +140,8 @@ class SogParser {
   void ReadPositions(Gaussians& g) const {
     const std::vector<float> low = meta_["means"]["mins"].Numbers(3);
     const std::vector<float> high = meta_["means"]["maxs"].Numbers(3);
+    for (size_t k = 0; k < 3; ++k)
+      if (low[k] > high[k]) Fail("means.mins", Format("is {:g}, maxs {:g}", low[k], high[k]));
     const Image8 lower = PerSplat("means", 0), upper = PerSplat("means", 1);
     for (size_t i = 0; i < count_; ++i)
       for (int k = 0; k < 3; ++k) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 #include "splat/media/video_stream.h"
 
 namespace cosplat {
@@ -113,6 +114,9 @@ std::unique_ptr<LiveVideo> OpenLiveVideo(const std::string& to,
   if (to.find("://") == std::string::npos && !to.starts_with("file:"))
     throw Error(to,
                 "expected v4l2:DEVICE, or an address such as rtmp://HOST/KEY or srt://HOST:PORT");
+  for (const char* ending : {".avi", ".mkv", ".mov", ".mp4", ".webm"})
+    if (to.starts_with("file:") && LowerCase(to).ends_with(ending))
+      throw Error(to, "is written as MPEG-TS, which ends in .ts");
   return std::make_unique<AddressOutput>(to, width, height, frames_per_second);
 }
 

@@ -7,6 +7,7 @@ extern "C" {
 }
 
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 #include "splat/media/libav.h"
 
 namespace cosplat {
@@ -40,13 +41,39 @@ class SoundFile {
     Decode(nullptr);
     Convert(nullptr);
     if (sound_.samples.empty()) throw Error(path_, "has no sound that can be decoded");
+    NoteCut();
     return std::move(sound_);
   }
 
  private:
   void Decode(const AVPacket* packet) {
     if (avcodec_send_packet(codec_.get(), packet) < 0) return;
-    while (avcodec_receive_frame(codec_.get(), frame_.get()) >= 0) Convert(frame_.get());
+    while (avcodec_receive_frame(codec_.get(), frame_.get()) >= 0) {
+      if (sound_.samples.empty()) BeginLater(frame_->best_effort_timestamp);
+      Convert(frame_.get());
+    }
+  }
+
+  // time: the first samples'. They begin with the file, of which a video's picture may begin first.
+  void BeginLater(int64_t time) {
+    const int64_t start = input_->start_time;
+    if (time == AV_NOPTS_VALUE || start == AV_NOPTS_VALUE) return;
+    const double late =
+        double(time) * av_q2d(input_->streams[track_]->time_base) - double(start) / AV_TIME_BASE;
+    constexpr double kMaxLate = 3600;  // s; beyond it the time is none
+    if (late > 0 && late < kMaxLate)
+      sound_.samples.resize(size_t(late * sound_.rate) * size_t(sound_.channels));
+  }
+
+  void NoteCut() {
+    constexpr double kShare = 0.05, kSeconds = 0.2;
+    const double stated = double(input_->duration) / AV_TIME_BASE;
+    const double read = double(sound_.samples.size()) / sound_.channels / sound_.rate;
+    if (stated - read > std::max(kSeconds, kShare * stated))
+      sound_.notes.push_back(
+          Format("is cut off or damaged: it is to be {:.1f} s long, {:.1f} s can be decoded",
+                 stated,
+                 read));
   }
 
   // Null: what the resampler still holds.

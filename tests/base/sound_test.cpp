@@ -3,11 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <numbers>
 
 #include "splat/media/image_io.h"
+#include "splat/media/libav.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
 
@@ -117,6 +119,61 @@ TEST(Sound, ACutFileGivesWhatItHas) {
   const Sound sound =
       ReadSound(Written(folder, "cut.wav", whole.substr(0, whole.size() / 2)), 16000, 1);
   EXPECT_NEAR(double(sound.samples.size()), 8000, 300);
+}
+
+// A copy of a file whose sound begins so much later.
+void DelaySound(const std::string& from, const std::string& to, double seconds) {
+  const libav::Input input = libav::OpenInput(from, "video");
+  AVFormatContext* output = nullptr;
+  ASSERT_GE(avformat_alloc_output_context2(&output, nullptr, nullptr, to.c_str()), 0);
+  for (unsigned i = 0; i < input->nb_streams; ++i) {
+    AVCodecParameters* track = avformat_new_stream(output, nullptr)->codecpar;
+    avcodec_parameters_copy(track, input->streams[i]->codecpar);
+    track->codec_tag = 0;  // the other container's
+  }
+  ASSERT_GE(avio_open(&output->pb, to.c_str(), AVIO_FLAG_WRITE), 0);
+  ASSERT_GE(avformat_write_header(output, nullptr), 0);
+  const libav::Packet packet{av_packet_alloc()};
+  while (av_read_frame(input.get(), packet.get()) >= 0) {
+    const AVStream& track = *input->streams[packet->stream_index];
+    av_packet_rescale_ts(
+        packet.get(), track.time_base, output->streams[packet->stream_index]->time_base);
+    if (track.codecpar->codec_type == AVMEDIA_TYPE_AUDIO) {
+      const auto late = int64_t(seconds / av_q2d(output->streams[packet->stream_index]->time_base));
+      packet->pts += late, packet->dts += late;
+    }
+    ASSERT_GE(av_interleaved_write_frame(output, packet.get()), 0);
+  }
+  av_write_trailer(output);
+  avio_closep(&output->pb);
+  avformat_free_context(output);
+}
+
+TEST(Sound, OfAVideoMayBeginLater) {
+  const TemporaryFolder folder;
+  const Sound sound = ReadSound(Written(folder, "a.wav", Wav(48000, 1, 2)), 48000, 1);
+  VideoWriter writer(folder / "a.mp4", 64, 48, 25, sound);
+  for (int i = 0; i < 50; ++i) writer.Write(Image8(64, 48, 3));
+  writer.Finish();
+  DelaySound(folder / "a.mp4", folder / "late.mkv", 0.5);
+  const Sound late = ReadSound(folder / "late.mkv", 16000, 1);
+  const auto loud = std::find_if(
+      late.samples.begin(), late.samples.end(), [](float x) { return std::abs(x) > 0.2f; });
+  EXPECT_NEAR(double(loud - late.samples.begin()) / 16000, 0.5, 0.05);
+}
+
+// Sun's .au states how many bytes follow.
+TEST(Sound, SaysThatItIsCutOff) {
+  const TemporaryFolder folder;
+  const uint32_t rate = 8000, bytes = 2 * 3 * rate;
+  std::string file = ".snd";
+  for (const uint32_t field : {24u, bytes, 3u, rate, 1u})
+    for (int shift = 24; shift >= 0; shift -= 8) file += char(field >> shift);
+  file += std::string(bytes, '\1');
+  EXPECT_TRUE(ReadSound(Written(folder, "a.au", file), 16000, 1).notes.empty());
+  const Sound cut = ReadSound(Written(folder, "b.au", file.substr(0, bytes / 2)), 16000, 1);
+  ASSERT_EQ(cut.notes.size(), 1u);
+  EXPECT_NE(cut.notes[0].find("it is to be 3.0 s long, 1.5 s"), std::string::npos) << cut.notes[0];
 }
 
 }  // namespace

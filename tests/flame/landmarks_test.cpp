@@ -19,6 +19,7 @@ using LandmarkJson = nlohmann::json;
 LandmarkVideo ThreeFrames(const TemporaryFolder& folder) {
   LandmarkVideo video;
   video.source = "me.mp4";
+  video.source_checksum = 4'000'000'000;
   video.width = 64, video.height = 48;
   video.frames_per_second = 25;
   video.set = LandmarkSet::kIbug68;
@@ -43,6 +44,7 @@ TEST(LandmarkFile, IsReadAsWritten) {
   const LandmarkVideo read = ReadLandmarks(folder / "marks.json");
   EXPECT_EQ(read.file, folder / "marks.json");
   EXPECT_EQ(read.source, "me.mp4");
+  EXPECT_EQ(read.source_checksum, 4'000'000'000u);
   EXPECT_EQ(read.width, 64);
   EXPECT_EQ(read.height, 48);
   EXPECT_EQ(read.frames_per_second, 25);
@@ -133,6 +135,7 @@ TEST(LandmarkFile, NamesWhatIsDamaged) {
   using J = LandmarkJson;
   damaged([](J& j) { j["format"] = "x"; }, {path, "format", "'x'"});
   damaged([](J& j) { j["version"] = 2; }, {"version", "2"});
+  damaged([](J& j) { j["source_checksum"] = 1e10; }, {"source_checksum", "10000000000, expected"});
   damaged([](J& j) { j["width"] = 0; }, {"width", "0"});
   damaged([](J& j) { j["frames_per_second"] = -1; }, {"frames_per_second", "-1"});
   damaged([](J& j) { j["landmarks"] = "dlib-5"; }, {"landmarks", "dlib-5", "ibug-68"});

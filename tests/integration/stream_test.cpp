@@ -83,6 +83,7 @@ TEST(Stream, NamesWhatIsWrong) {
   ExpectRefused(Stream("v4l2:" + (folder / "none"), {}), "none: No such file");
   ExpectRefused(Stream("v4l2:" + (folder / "a.png"), {}), "is no video output");
   ExpectRefused(Stream("tcp://127.0.0.1:1", {}), "tcp://127.0.0.1:1: video cannot be written");
+  ExpectRefused(Stream("file:a.MP4", {}), "file:a.MP4: is written as MPEG-TS");
   ExpectRefused(Stream("file:/dev/null", {"--background", "#12345"}),
                 "--background: found '#12345'");
   ExpectRefused(Stream("file:/dev/null", {"--background", "#-12345"}), "found '#-12345'");

@@ -209,6 +209,8 @@ TEST(Track, NamesWhatIsWrongAndWritesNothing) {
   filmed.ExpectRefused({filmed.marks, "64x128", "128x128"});
   filmed.Change([](LandmarkVideo& video) { video.frames[7].name = "elsewhere"; });
   filmed.ExpectRefused({filmed.marks, "frames[7].name", "'elsewhere'", "'8'"});
+  filmed.Change([](LandmarkVideo& video) { video.source_checksum = 1; });
+  filmed.ExpectRefused({filmed.marks, "source_checksum: is 1", "another film"});
   filmed.Change([](LandmarkVideo& video) { video.frames.back().frame = 24; });
   filmed.ExpectRefused({filmed.marks, "frames[23].frame", "24 frames"});
   filmed.Change([](LandmarkVideo& video) {

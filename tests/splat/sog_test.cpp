@@ -165,6 +165,7 @@ TEST(Sog, BadFilesSayWhatIsWrong) {
          m["means"]["mins"] = {0, 1};
        }),
        {"means.mins", "expected 3"}},
+      {meta([](Json& m) { m["means"]["maxs"][1] = -1000; }), {"means.mins", "maxs -1000"}},
       {meta([](Json& m) { m["means"]["maxs"][0] = 1000; }), {"means", "range"}},
       {meta([](Json& m) { m["scales"]["codebook"][7] = nullptr; }), {"scales.codebook[7]"}},
       {meta([](Json& m) { m["sh0"]["codebook"].erase(0); }), {"sh0.codebook", "expected 256"}},

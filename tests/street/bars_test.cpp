@@ -6,11 +6,13 @@
 #include "apps/cosplat/run/frame_source.h"
 #include "splat/base/files.h"
 #include "splat/base/rng.h"
+#include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
 
 namespace cosplat {
 namespace {
 
+using test::ExpectError;
 using test::TemporaryFolder;
 
 constexpr int kWidth = 320, kHeight = 180, kBegin = 110, kEnd = 210;
@@ -80,6 +82,13 @@ TEST(PictureBetweenBars, IsAllWhereThereAreNone) {
       for (int c = 0; c < 3; ++c) person.at(x, y, c) = 0;
   ExpectNone({person}, "a person before a black wall");
   EXPECT_FALSE(PictureBetweenBars({Image8(kWidth, kHeight, 3, 0)})) << "nothing to see";
+}
+
+TEST(FrameSource, RefusesTwoImagesOfOneName) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a_1.png", "a_2.jpg", "a_2.png"})
+    WriteImage(folder / name, Image8(64, 48, 3));
+  ExpectError([&] { FrameSource(folder.path()); }, {"a_2.jpg", "a_2.png", "one frame"});
 }
 
 TEST(FrameSource, LeavesBarsOut) {

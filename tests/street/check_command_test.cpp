@@ -132,6 +132,10 @@ TEST(Outputs, DoNotReplaceInputs) {
   refuses({"export", "-m", run, "--ply", run + "/point_cloud/iteration_4/point_cloud.ply"},
           "is a file of the run");
   refuses({"export", "-m", run, "--ply", run + "/cameras.json"}, "is a file of the run");
+  refuses({"export", "-m", run, "--glb", folder / "a.gltf"}, "which it would not be");
+  std::ofstream(head + "/film.mp4") << "mine";
+  refuses({"render", "-m", run, "--random", "2", "-o", head + "/film.mp4"}, "in the data's folder");
+  EXPECT_EQ(Slurp(head + "/film.mp4"), "mine");
   std::ofstream(folder / "film.ts") << "mine";
   refuses({"stream", run, "--drive", folder / "none.csv", "--to", "file:" + (folder / "film.ts")},
           "none.csv");

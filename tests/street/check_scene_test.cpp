@@ -173,6 +173,21 @@ TEST(CheckScene, FindsIntrinsicsOfNoPhotograph) {
   }
 }
 
+TEST(CheckScene, SaysThatFocalLengthsAreMixed) {
+  Scene scene;
+  for (size_t i = 0; i < scene.json["frames"].size(); i += 3) {
+    Json& frame = scene.json["frames"][i];
+    frame["fl_x"] = frame["fl_y"] = 1.1 * NerfScene::kFocal;
+  }
+  EXPECT_EQ(Said(CheckScene(scene.Load())).find("another focal length"), std::string::npos);
+  for (size_t i = 0; i < scene.json["frames"].size(); i += 3) {
+    Json& frame = scene.json["frames"][i];
+    frame["fl_x"] = frame["fl_y"] = 1.5 * NerfScene::kFocal;
+  }
+  const std::string said = Said(CheckScene(scene.Load()));
+  EXPECT_NE(said.find("8 of 24 cameras have another focal length"), std::string::npos) << said;
+}
+
 TEST(CheckScene, FindsACameraFarFromTheOthers) {
   for (const double x : {40.0, 1e4, -1e30}) {
     Scene scene;

@@ -94,10 +94,7 @@ void AddFiles(const std::string& name, const std::string& path, DataChecksums& c
     files.push_back(path);
   }
   uint32_t sum = 0;
-  for (const std::string& file : files) {
-    const std::vector<char> bytes = ReadFile(file);
-    sum = Crc32(bytes.data(), bytes.size(), sum);
-  }
+  for (const std::string& file : files) sum = Crc32OfFile(file, sum);
   checksums.emplace_back(name, sum);
 }
 

@@ -8,6 +8,7 @@
 
 #include "splat/base/data_files.h"
 #include "splat/base/error.h"
+#include "splat/base/files.h"
 #include "splat/base/text.h"
 #include "splat/media/frame_cuts.h"
 #include "splat/media/image_io.h"
@@ -72,15 +73,21 @@ FrameSource::FrameSource(const std::string& path, Bars bars) {
 void FrameSource::Open(const std::string& path) {
   if (!fs::is_directory(path)) {
     video_ = std::make_unique<VideoReader>(path);
+    files_ = {path};
     const Image8 first = video_->ReadFrame(0);
     width_ = first.width, height_ = first.height;
     frames_per_second_ = video_->frames_per_second();
     has_alpha_ = video_->has_alpha();
     return;
   }
-  images_ = ImagesIn(path);
-  if (images_.empty()) throw Error(path, "holds no images");
-  for (const std::string& image : images_) {
+  files_ = ImagesIn(path);
+  if (files_.empty()) throw Error(path, "holds no images");
+  for (size_t i = 0; i + 1 < files_.size(); ++i)
+    if (fs::path(files_[i]).stem() == fs::path(files_[i + 1]).stem())
+      throw Error(files_[i],
+                  "and " + fs::path(files_[i + 1]).filename().string() +
+                      " would be one frame: take one of them out");
+  for (const std::string& image : files_) {
     const ImageInfo info = ReadImageInfo(image).Upright();
     has_alpha_ = has_alpha_ || info.channels == 4;
     if (width_ == 0) width_ = info.width, height_ = info.height;
@@ -91,7 +98,13 @@ void FrameSource::Open(const std::string& path) {
   }
 }
 
-int FrameSource::count() const { return video_ ? video_->frame_count() : int(images_.size()); }
+int FrameSource::count() const { return video_ ? video_->frame_count() : int(files_.size()); }
+
+uint32_t FrameSource::Checksum() const {
+  uint32_t sum = 0;
+  for (const std::string& file : files_) sum = Crc32OfFile(file, sum);
+  return sum;
+}
 
 std::vector<std::string> FrameSource::notes() const {
   std::vector<std::string> notes = video_ ? video_->notes() : std::vector<std::string>();
@@ -125,7 +138,7 @@ std::vector<int> FrameSource::Cuts() const {
 }
 
 std::string FrameSource::Name(int frame) const {
-  return video_ ? std::to_string(frame) : fs::path(images_.at(size_t(frame))).stem().string();
+  return video_ ? std::to_string(frame) : fs::path(files_.at(size_t(frame))).stem().string();
 }
 
 // The middle without bars is enough, where no title is; what bars there are is found in three.
@@ -146,7 +159,7 @@ void FrameSource::EndAt(const Crop& picture) {
 }
 
 Image8 FrameSource::ReadAll(int frame) const {
-  Image8 image = video_ ? video_->ReadFrame(frame) : ReadUpright(images_.at(size_t(frame)));
+  Image8 image = video_ ? video_->ReadFrame(frame) : ReadUpright(files_.at(size_t(frame)));
   return HasBars() ? Cropped(image, picture_) : image;
 }
 

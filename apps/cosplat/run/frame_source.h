@@ -1,6 +1,7 @@
 // The frames of a video file, or the images of a folder in the order of their names.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
@@ -36,6 +37,9 @@ class FrameSource {
   double frames_per_second() const { return frames_per_second_; }  // 0: unknown
   // The stem of the image's file, or the frame's number in the video.
   std::string Name(int frame) const;
+  // CRC-32 of the video's file, or of the images' files in their order. Throws Error as ReadFile
+  // does.
+  uint32_t Checksum() const;
   // What a user should know: of a video (VideoReader::notes), and of bars.
   std::vector<std::string> notes() const;
   // The frames that begin another shot, increasing (splat/media/frame_cuts.h). Reads a folder's
@@ -55,7 +59,7 @@ class FrameSource {
 
  private:
   std::unique_ptr<VideoReader> video_;
-  std::vector<std::string> images_;  // paths, without a video
+  std::vector<std::string> files_;  // of images; one of a video
   int width_ = 0, height_ = 0;
   Crop in_file_, picture_;
   double frames_per_second_ = 0;

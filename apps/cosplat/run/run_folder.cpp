@@ -78,6 +78,9 @@ void RefuseDataFolder(const std::string& option,
   const bool is_data = place == data;
   for (; place != data; place = place.parent_path())  // runs may lie in there
     if (IsRun(place.string())) return;
+  if (fs::is_regular_file(folder, missing))
+    throw Error(option + " " + folder,
+                "is a file in the data's folder, which would be replaced: choose another name");
   if (is_data || HasImages(folder))
     throw Error(option + " " + folder,
                 std::string(is_data ? "is the folder" : "is a folder of images") +

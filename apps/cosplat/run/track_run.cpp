@@ -49,6 +49,14 @@ void CheckOfVideo(const LandmarkVideo& marks, const std::string& source, FrameSo
                     IsInside(source, marks.source);  // a folder that has the images in another one
   if (!marks.source.empty() && !same)
     PrintNotes({marks.file + ": the landmarks are of " + marks.source + ", not of " + source});
+  if (marks.source_checksum && *marks.source_checksum != frames.Checksum())
+    throw Error(marks.file,
+                "source_checksum",
+                Format("is {}, {} has {}: the landmarks are of another film, or of this one before "
+                       "it was changed; find them again",
+                       *marks.source_checksum,
+                       source,
+                       frames.Checksum()));
   for (size_t i = 0; i < marks.frames.size(); ++i) {
     const LandmarkFrame& frame = marks.frames[i];
     const std::string field = "frames[" + std::to_string(i) + "]";

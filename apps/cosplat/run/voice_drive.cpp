@@ -2,6 +2,7 @@
 
 #include <string_view>
 
+#include "apps/cosplat/run/notes.h"
 #include "avatar/voice/voice_face.h"
 
 namespace cosplat {
@@ -13,7 +14,10 @@ std::string SoundFileOf(const std::string& drive) {
 }
 
 ScoreRecording LoadVoice(const std::string& path, uint64_t seed) {
-  return RecordingOfVoice(path, ReadSound(path, kSoundRate, 1).samples, seed);
+  const Sound sound = ReadSound(path, kSoundRate, 1);
+  ScoreRecording recording = RecordingOfVoice(path, sound.samples, seed);
+  recording.notes = sound.notes;
+  return recording;
 }
 
 std::optional<Sound> VideoSoundOf(const std::string& drive) {
@@ -25,8 +29,10 @@ std::optional<Sound> VideoSoundOf(const std::string& drive) {
 
 Recording LoadDrive(const std::string& drive, const LiveSourceOptions& options) {
   const std::string sound = SoundFileOf(drive);
-  return sound.empty() ? LoadRecording(drive, options)
-                       : RecordingOf(LoadVoice(sound), drive, options);
+  Recording recording =
+      sound.empty() ? LoadRecording(drive, options) : RecordingOf(LoadVoice(sound), drive, options);
+  PrintNotes(recording.notes);
+  return recording;
 }
 
 }  // namespace cosplat

@@ -21,7 +21,7 @@ ScoreRecording LoadVoice(const std::string& path, uint64_t seed = 0);
 // What "audio:FILE" sounds like, for a video; none for other drives.
 std::optional<Sound> VideoSoundOf(const std::string& drive);
 
-// LoadRecording, or of "audio:FILE" its voice.
+// LoadRecording, or of "audio:FILE" its voice; prints its notes.
 Recording LoadDrive(const std::string& drive, const LiveSourceOptions& options);
 
 }  // namespace cosplat

@@ -70,6 +70,12 @@ TEST(LiveLinkRecording, TimecodesOfOtherRatesAndOverMidnight) {
   ASSERT_EQ(recording.frames.size(), 72u);
   EXPECT_EQ(recording.frames[71].timestep, 71);
   EXPECT_EQ(recording.frames[71].scores.at("jawOpen"), 0.5f);  // the later one
+  // 15, as slow devices have.
+  text = kHeader;
+  for (int i = 0; i < 45; ++i) text += Format("10:00:{:02d}:{:02d},61,0,0,0,0\n", i / 15, i % 15);
+  recording = LoadScores(Written(folder, text));
+  EXPECT_EQ(recording.frames_per_second, 15);
+  EXPECT_EQ(recording.frames.back().timestep, 44);
 }
 
 TEST(LiveLinkRecording, ErrorsNameLineColumnAndValue) {
@@ -103,11 +109,17 @@ TEST(LiveLinkRecording, SaysWhatItLacks) {
   const std::string row = ",61,0.5,0,0,0\n", empty = ",0,0,0,0,0\n";
   const std::string text =
       kHeader + ("10:00:00:00" + row) + ("10:00:00:01" + row) + ("10:00:00:02" + empty);
-  const std::string note = LoadScores(Written(folder, text)).note;
-  EXPECT_NE(note.find("has no column EyeBlinkLeft, "), std::string::npos) << note;
-  EXPECT_NE(note.find("1 of 3 rows have no face"), std::string::npos) << note;
+  const std::vector<std::string> notes = LoadScores(Written(folder, text)).notes;
+  ASSERT_EQ(notes.size(), 2u);
+  EXPECT_EQ(notes[0].find("has no column EyeBlinkLeft, "), 0u) << notes[0];
+  EXPECT_EQ(notes[1], "1 of 3 rows have no face");
   const std::string unknown = "Timecode,BlendShapeCount,b0,HeadPitch,HeadYaw,HeadRoll\n10:00:00:00";
   ExpectError([&] { LoadScores(Written(folder, unknown + row)); }, {"no blendshape's column"});
+  const std::string odd = kHeader + ("10:00:00:00" + row) + "10:00:20:00,61,0.5,0,1.5,0\n";
+  const std::vector<std::string> of_odd = LoadScores(Written(folder, odd)).notes;
+  ASSERT_EQ(of_odd.size(), 3u);
+  EXPECT_EQ(of_odd[1], "has no row for 20 s: the last face is held");
+  EXPECT_EQ(of_odd[2], "turns the head by 86 degrees: are its angles in radians?");
   std::string still = kHeader;
   for (int i = 0; i < 20; ++i) still += "00:00:00:00.000" + row;
   ExpectError([&] { LoadScores(Written(folder, still)); },

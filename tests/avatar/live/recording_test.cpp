@@ -157,6 +157,25 @@ TEST(Recording, AFrameThatCannotBeUsedLeavesItsTime) {
             (std::vector<int>{0, 1, -1, 3, 4}));
 }
 
+TEST(Recording, SaysWhatDoesNotMove) {
+  Sequence sequence(5);
+  sequence.expression[2 * 2] = std::numeric_limits<float>::quiet_NaN();
+  sequence.expression[2 * 3] = 900;
+  const std::string path = sequence.Write();
+  std::string said;
+  for (const std::string& note : LoadRecording(path, {}).notes) said += note + "\n";
+  for (const char* part : {"has no neck_rot, which stays at rest",
+                           "has no jaw_rot",
+                           "1 of 5 frames cannot be used",
+                           "has expressions of up to 900"})
+    EXPECT_NE(said.find(path + ": " + part), std::string::npos) << part << "\n" << said;
+  EXPECT_EQ(said.find("has no rot"), std::string::npos) << said;
+  Npz npz = Npz::Read(path);
+  npz.Add("expr", {5, 0}, std::vector<float>{});
+  npz.Write(path);
+  ExpectError([&] { LoadRecording(path, {}); }, {"expr", "no coefficients"});
+}
+
 TEST(Recording, TurnsAboutTheAvatarsRest) {
   const Sequence sequence(3);
   LiveSourceOptions options;
