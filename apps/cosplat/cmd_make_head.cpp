@@ -14,6 +14,7 @@
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/rng.h"
+#include "splat/eval/metrics.h"
 #include "splat/media/image_io.h"
 
 namespace cosplat {
@@ -23,16 +24,6 @@ constexpr int kSide = 160;  // px, of a tile
 constexpr float kZoom = 1.2f, kLower = 0.12f;
 constexpr size_t kColumns = 13, kPeople = 24;
 constexpr uint64_t kSeed = 1;  // of the people
-
-void CopyInto(const Image8& tile, int left, int top, Image8& sheet) {
-  for (int y = 0; y < tile.height; ++y)
-    for (int x = 0; x < tile.width; ++x) {
-      const uint8_t* from = &tile.data[4 * (size_t(y) * size_t(tile.width) + size_t(x))];
-      uint8_t* to = &sheet.data[3 * (size_t(top + y) * size_t(sheet.width) + size_t(left + x))];
-      for (size_t c = 0; c < 3; ++c)
-        to[c] = uint8_t((from[c] * from[3] + 255 * (255 - from[3])) / 255);
-    }
-}
 
 // faces: parameters, with their own shape.
 Image8 SheetOf(const ProceduralHead& head, const std::vector<FlameParams>& faces) {
@@ -46,10 +37,11 @@ Image8 SheetOf(const ProceduralHead& head, const std::vector<FlameParams>& faces
     const FlamePoser<float> poser(head.model, faces[i].shape);
     std::vector<float> vertices;
     poser.Forward(FlamePoser<float>::ParametersOf(faces[i]), vertices);
-    CopyInto(RenderProceduralHead(head, vertices, faces[i], camera),
-             kSide * int(i % kColumns),
-             kSide * int(i / kColumns),
-             sheet);
+    const Image8 tile = RenderProceduralHead(head, vertices, faces[i], camera);
+    Paste(OverBackground(tile, {1, 1, 1}),
+          kSide * int(i % kColumns),
+          kSide * int(i / kColumns),
+          sheet);
   }
   return sheet;
 }

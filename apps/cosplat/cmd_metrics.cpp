@@ -19,6 +19,7 @@
 #include "flame/pose.h"
 #include "splat/base/error.h"
 #include "splat/base/text.h"
+#include "splat/eval/metrics.h"
 #include "splat/math/vec.h"
 #include "splat/media/image_io.h"
 #include "splat/media/signed_distance.h"
@@ -66,18 +67,7 @@ void WriteFitted(const MetricsOptions& o, const JsonField& run, int iteration) {
 
 // An avatar seen from where nobody filmed it: does it hold there?
 
-struct TurnedView {
-  float degrees = 0;   // of the camera around the head, from before the face, counterclockwise from
-                       // above
-  double outside = 0;  // of the view's alpha, the share that is farther from the mesh's outline
-                       // than all but a hundredth of it is from the front
-};
-
-struct TurnedSheet {
-  std::vector<TurnedView> views;
-  Image8 image;  // RGB: the views side by side, in rows
-};
-
+// Of the camera around the head, from before the face, degrees counterclockwise from above.
 constexpr std::array<float, 12> kAngles{0, -15, -30, -45, -60, -90, 180, 15, 30, 45, 60, 90};
 constexpr int kSheetColumns = 6;
 constexpr int kCell = 320;               // px, width of a view in the sheet
@@ -108,6 +98,7 @@ int ReachOf(const Image8& rgba, const Image& distance) {
   return int(reach);
 }
 
+// Of the alpha, what is farther from the mesh's outline than `reach`.
 double ShareBeyond(const Image8& rgba, const Image& distance, int reach) {
   double beyond = 0, all = 0;
   for (size_t i = 0; i < rgba.pixels(); ++i) {
@@ -117,33 +108,18 @@ double ShareBeyond(const Image8& rgba, const Image& distance, int reach) {
   return all > 0 ? beyond / all : 0;
 }
 
-void Paste(const Image8& rgba, const std::array<float, 3>& background, size_t cell, Image8& sheet) {
-  const int height = std::max(1, rgba.height * kCell / rgba.width);
-  const Image8 small = ResizeByArea(rgba, kCell, height);
-  const int left = int(cell) % kSheetColumns * kCell, top = int(cell) / kSheetColumns * height;
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < kCell; ++x)
-      for (int c = 0; c < 3; ++c) {
-        const float alpha = small.at(x, y, 3) / 255.0f;
-        const float value = alpha * small.at(x, y, c) + (1 - alpha) * 255 * background[size_t(c)];
-        sheet.at(left + x, top + y, c) = uint8_t(std::lround(std::clamp(value, 0.0f, 255.0f)));
-      }
-}
-
-// Draws the avatar, placed by `rest`, from before its face, aside and behind: by the camera `lens`,
-// which goes around the head.
-TurnedSheet DrawTurned(Player& player,
-                       const FlameModel& flame,
-                       const FlameParams& rest,
-                       const Camera& lens,
-                       const std::array<float, 3>& background) {
+// The avatar, placed by `rest`, from before its face, aside and behind, by the camera `lens`, which
+// goes around the head: RGB, side by side, in rows. shares: what a line says of each view.
+Image8 DrawTurned(Player& player,
+                  const FlameModel& flame,
+                  const FlameParams& rest,
+                  const Camera& lens,
+                  const std::array<float, 3>& background,
+                  std::string& shares) {
   PosedAvatar placed;
   player.Pose(rest, placed);
   const std::vector<float> vertices = player.VerticesOf(placed);
-  std::array<float, 3> center{};
-  for (int v = 0; v < flame.vertex_count; ++v)
-    for (size_t k = 0; k < 3; ++k)
-      center[k] += vertices[3 * size_t(v) + k] / float(flame.vertex_count);
+  const std::array<float, 3> center = MiddleOf(vertices, flame.vertex_count);
   const std::array<float, 3> up{-lens.rotation[3], -lens.rotation[4], -lens.rotation[5]};
   // From the camera to before the face: the first of several cameras may stand aside.
   const math::Vec3<float> axis = math::ToVec3(up), forward = HeadForward(rest),
@@ -152,19 +128,24 @@ TurnedSheet DrawTurned(Player& player,
   const float to_face = std::atan2(math::Dot(axis, math::Cross(arm, forward)),
                                    math::Dot(level(arm), level(forward))) *
                         180 / std::numbers::pi_v<float>;
-  TurnedSheet sheet;
   const int rows = (int(kAngles.size()) + kSheetColumns - 1) / kSheetColumns;
-  sheet.image =
-      Image8(kSheetColumns * kCell, rows * std::max(1, lens.height * kCell / lens.width), 3);
-  int reach = 0;
+  const int height = std::max(1, lens.height * kCell / lens.width);
+  Image8 sheet(kSheetColumns * kCell, rows * height, 3);
+  int reach = 0, cell = 0;
   for (const float degrees : kAngles) {
     const Camera camera = TurnedAround(lens, center, up, to_face + degrees);
     Image8 image;
     player.Render(rest, camera, image);
     const Image distance = FromMesh(vertices, player, camera);
     if (degrees == 0) reach = ReachOf(image, distance);
-    Paste(image, background, sheet.views.size(), sheet.image);
-    sheet.views.push_back({degrees, ShareBeyond(image, distance, reach)});
+    Paste(OverBackground(ResizeByArea(image, kCell, height), background),
+          cell % kSheetColumns * kCell,
+          cell / kSheetColumns * height,
+          sheet);
+    shares += Format("{}{:.0f} deg {:.2f} %",
+                     cell++ == 0 ? "" : ", ",
+                     degrees,
+                     100 * ShareBeyond(image, distance, reach));
   }
   return sheet;
 }
@@ -173,16 +154,14 @@ TurnedSheet DrawTurned(Player& player,
 void WriteTurned(const MetricsOptions& o, const JsonField& run) {
   auto [avatar, flame] = LoadAvatar(o, run, "--turn");
   Player player(std::move(avatar), flame);
-  const TurnedSheet sheet = DrawTurned(player,
-                                       flame,
-                                       ReferenceRoot(run),
-                                       CameraFromJson(run["reference"]["camera"]),
-                                       BackgroundOf(run));
-  WriteImage(o.model + "/turned.png", sheet.image);
   std::string shares;
-  for (const TurnedView& view : sheet.views)
-    shares += Format(
-        "{}{:.0f} deg {:.2f} %", shares.empty() ? "" : ", ", view.degrees, 100 * view.outside);
+  WriteImage(o.model + "/turned.png",
+             DrawTurned(player,
+                        flame,
+                        ReferenceRoot(run),
+                        CameraFromJson(run["reference"]["camera"]),
+                        BackgroundOf(run),
+                        shares));
   std::printf(
       "alpha outside of the head: %s\nturned: %s/turned.png\n", shares.c_str(), o.model.c_str());
 }

@@ -173,18 +173,6 @@ void RenderScene(const RenderOptions& o, const JsonField& run) {
   if (!o.quiet) std::printf("%zu views: %s\n", views.size(), writer.path().c_str());
 }
 
-// The centre of the posed head and its up direction.
-void HeadFrame(const std::vector<float>& vertices,
-               const FlameModel& flame,
-               std::array<float, 3>& center,
-               std::array<float, 3>& up) {
-  center = {0, 0, 0};
-  for (int i = 0; i < flame.vertex_count; ++i)
-    for (int k = 0; k < 3; ++k)
-      center[k] += vertices[3 * size_t(i) + k] / float(flame.vertex_count);
-  up = {0, 1, 0};  // FLAME's up axis; trackers keep the head roughly upright in their world
-}
-
 void RenderAvatarOrbit(const RenderOptions& o,
                        const JsonField& run,
                        const FlameModel& flame,
@@ -193,8 +181,9 @@ void RenderAvatarOrbit(const RenderOptions& o,
   const Camera camera = CameraFromJson(run["reference"]["camera"]);
   PosedAvatar placed;
   player.Pose(rest, placed);
-  std::array<float, 3> center{}, up{};
-  HeadFrame(player.VerticesOf(placed), flame, center, up);
+  const std::array<float, 3> center = MiddleOf(player.VerticesOf(placed), flame.vertex_count);
+  // FLAME's; trackers keep the head roughly upright in their world.
+  constexpr std::array<float, 3> up{0, 1, 0};
   std::vector<PlaybackFrame> frames;
   for (const Camera& c : SwingAround(camera, center, up, kAvatarSwingDegrees, kOrbitFrames))
     frames.push_back({rest, c, BackgroundOf(run)});

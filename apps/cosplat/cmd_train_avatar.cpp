@@ -96,13 +96,7 @@ DataChecksums ChecksumsOf(const AvatarOptions& o,
                           const Gaussians& first) {
   const TrackedVideo& video = subject.video();
   DataChecksums sums;
-  std::vector<std::string> names;
-  std::vector<const TrainFrame*> frames;
-  for (size_t i = 0; i < subject.video().train.size(); ++i) {
-    names.push_back(video.train[i].name);
-    frames.push_back(&subject.frame(i));
-  }
-  AddFrames("training frame", names, frames, sums);
+  AddFrames("training frame", NamesOf(video.train), &subject.frame(0), sums);
   AddTrack("the track of training frame", video.train, sums);
   AddImages("test frame", truth, sums);
   AddTrack("the track of test frame", video.test, sums);

@@ -69,19 +69,8 @@ DataChecksums ChecksumsOf(const SceneTrainOptions& o,
                           const std::vector<TrainFrame>& test,
                           const Gaussians& first) {
   DataChecksums sums;
-  const auto add = [&](const std::string& kind, const std::vector<SceneView>& views, auto frame) {
-    std::vector<std::string> names;
-    std::vector<const TrainFrame*> frames;
-    for (size_t i = 0; i < views.size(); ++i) {
-      names.push_back(views[i].name);
-      frames.push_back(&frame(i));
-    }
-    AddFrames(kind, names, frames, sums);
-  };
-  const auto trained = [&](size_t i) -> const TrainFrame& { return subject.frames()[i]; };
-  const auto held_out = [&](size_t i) -> const TrainFrame& { return test[i]; };
-  add("training view", scene.train, trained);
-  add("test view", scene.test, held_out);
+  AddFrames("training view", NamesOf(scene.train), subject.frames().data(), sums);
+  AddFrames("test view", NamesOf(scene.test), test.data(), sums);
   AddGaussians("the initial points", first, sums);
   AddFiles("the network of --lpips", o.lpips, sums);
   return sums;

@@ -1,9 +1,9 @@
 #include <algorithm>
-#include <charconv>
 #include <iterator>
 
 #include "avatar/live/packet_input.h"
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -18,9 +18,8 @@ constexpr UsualAddress kUsualAddresses[] = {
     {"vts", 21412, true}, {"ifacialmocap", 49983, true}, {"livelink", 11111, false}};
 
 int ParsePort(const std::string& drive, const std::string& text) {
-  int port = -1;
-  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), port);
-  if (code != std::errc() || end != text.data() + text.size() || port < 0 || port > 65535)
+  const int port = NumberOf<int>(text).value_or(-1);
+  if (port < 0 || port > 65535)
     throw Error(drive, "port", "found '" + text + "', expected 0 to 65535");
   return port;
 }

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <numeric>
@@ -31,11 +30,9 @@ std::vector<std::string_view> CellsOf(std::string_view line) {
   return cells;
 }
 
-std::optional<double> NumberOf(std::string_view text) {
-  double number = 0;
-  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (code != std::errc() || end != text.data() + text.size() || !std::isfinite(number)) return {};
-  return number;
+std::optional<double> FiniteNumber(std::string_view text) {
+  const std::optional<double> number = NumberOf<double>(text);
+  return number && std::isfinite(*number) ? number : std::nullopt;
 }
 
 // "10:31:05:17.250": hours, minutes, seconds and frames.
@@ -47,7 +44,7 @@ std::optional<Timecode> TimecodeOf(std::string_view text) {
   double parts[4];
   for (double& part : parts) {
     const size_t end = std::min(text.find(':'), text.size());
-    const std::optional<double> number = NumberOf(text.substr(0, end));
+    const std::optional<double> number = FiniteNumber(text.substr(0, end));
     if (!number || *number < 0 || *number >= kRates[std::size(kRates) - 1]) return {};
     part = *number;
     text.remove_prefix(std::min(end + 1, text.size()));
@@ -142,13 +139,13 @@ class Table {
     for (size_t i = 0; i < cells.size(); ++i) {
       const int place = FindArkitBlendshape(names_[i]);
       if (place < 0) continue;
-      const std::optional<double> score = NumberOf(cells[i]);
+      const std::optional<double> score = FiniteNumber(cells[i]);
       if (!score || std::abs(*score) > double(kMaxScore)) Fail(i, cells[i], "a score from 0 to 1");
       row.frame.scores[std::string(kArkitNames[size_t(place)])] = float(*score);
     }
     for (size_t axis = 0; axis < 3; ++axis) {
       const size_t i = angles_[axis];
-      const std::optional<double> angle = NumberOf(cells[i]);
+      const std::optional<double> angle = FiniteNumber(cells[i]);
       constexpr double kMaxTurn = 100 * kDegree;  // no camera sees a face that is turned further
       if (!angle || std::abs(*angle) > kMaxTurn) Fail(i, cells[i], "an angle in radians");
       // Pitch looks up, yaw turns right, roll leans to the right shoulder.

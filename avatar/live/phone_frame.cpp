@@ -1,7 +1,6 @@
 #include "avatar/live/phone_frame.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 
@@ -33,10 +32,7 @@ std::string_view Trimmed(std::string_view text) {
 
 // NaN if it is no number.
 double NumberIn(std::string_view text) {
-  text = Trimmed(text);
-  double number = 0;
-  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), number);
-  return code == std::errc() && end == text.data() + text.size() ? number : std::nan("");
+  return NumberOf<double>(Trimmed(text)).value_or(std::nan(""));
 }
 
 // The text up to the separator, which is taken off `rest`; all of it if there is none.

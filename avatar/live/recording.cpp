@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <sstream>
 
 #include "avatar/live/packet_input.h"
 #include "avatar/model/avatar_mesh.h"
@@ -18,19 +17,13 @@ namespace {
 // For tracks that do not store it: the frame rate of most published ones.
 constexpr double kDefaultFramesPerSecond = 25;
 
-std::string NumberText(double number) {
-  std::ostringstream text;
-  text << number;
-  return text.str();
-}
-
 // own: the recording's, 0 if unknown.
 double FrameRate(const std::string& path, double own, const LiveSourceOptions& options) {
   double rate = options.frames_per_second;
   if (rate == 0) rate = own;
   if (rate == 0) rate = kDefaultFramesPerSecond;
   if (!(rate >= 0.001 && rate <= 10'000))
-    throw Error(path, "frames per second", NumberText(rate) + ", expected 0.001 to 10000");
+    throw Error(path, "frames per second", Format("{:g}, expected 0.001 to 10000", rate));
   return rate;
 }
 
@@ -84,7 +77,7 @@ class RecordedSource : public LiveSource {
   std::string Description() const override {
     return "recorded sequence " + std::filesystem::path(recording_.path).filename().string() +
            ", " + std::to_string(recording_.frames.size()) + " frames at " +
-           NumberText(recording_.frames_per_second) + " per second";
+           Format("{:g} per second", recording_.frames_per_second);
   }
 
  private:

@@ -236,13 +236,7 @@ void LandmarkFitter::FitFrame(size_t f, const std::vector<double>* near) {
   if (near) problem.AddResidualBlock(new PriorCost(*near, prior_.step_sigma), nullptr, frame);
   problem.SetParameterBlockConstant(shape_.data());
   problem.SetParameterBlockConstant(&log_focal_);
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  options.max_num_iterations = near ? 10 : 50;
-  options.function_tolerance = 1e-5;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
+  SolveFrame(problem, near ? 10 : 50);
   if (tick) tick();
 }
 
@@ -371,10 +365,7 @@ FittedFrame LandmarkFitter::FrameResult(size_t f) const {
   for (double x : frame)
     if (!std::isfinite(x)) throw Error(source_, kNoFace);
   FittedFrame out;
-  for (size_t i = 0; i < 3; ++i) out.params.translation[i] = float(frame[kFitTranslation + i]);
-  for (size_t j = 0; j < kFlameJoints; ++j)
-    for (size_t i = 0; i < 3; ++i) out.params.pose[j][i] = float(frame[kFitPose + 3 * j + i]);
-  out.params.expression.assign(frame.begin() + kFitExpression, frame.end());
+  SetFromRow(frame, out.params);
   EyelidsFromExpression(model_, out.params);
   return out;
 }

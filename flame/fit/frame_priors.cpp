@@ -1,5 +1,7 @@
 #include "flame/fit/frame_priors.h"
 
+#include <ceres/solver.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -64,6 +66,16 @@ std::vector<double> StepSigma(int frame_size, bool eyelids) {
   std::fill_n(sigma.begin() + kFitPose + 9, 6, 0.6);
   for (int k = 0; eyelids && k < 2; ++k) sigma[sigma.size() - 1 - size_t(k)] = 1.5;
   return sigma;
+}
+
+void SolveFrame(ceres::Problem& problem, int iterations) {
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+  options.max_num_iterations = iterations;
+  options.function_tolerance = 1e-5;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
 }
 
 }  // namespace cosplat::internal

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <ceres/cost_function.h>
+#include <ceres/problem.h>
 
 #include <cstddef>
 #include <vector>
@@ -48,5 +49,8 @@ std::vector<double> BetweenNeighbours(const std::vector<std::vector<double>>& fr
   for (size_t k = 0; k < mean.size(); ++k) mean[k] = (frames[f - 1][k] + frames[f + 1][k]) / 2;
   return mean;
 }
+
+// Fits the blocks of a problem that are not constant: numbers of one frame.
+void SolveFrame(ceres::Problem& problem, int iterations);
 
 }  // namespace cosplat::internal

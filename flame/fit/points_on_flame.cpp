@@ -33,6 +33,13 @@ std::vector<int> ExpressionOrder(const FlameModel& model, int count) {
 
 }  // namespace
 
+void SetFromRow(const std::vector<double>& row, FlameParams& params) {
+  for (size_t i = 0; i < 3; ++i) params.translation[i] = float(row[kFitTranslation + i]);
+  for (size_t j = 0; j < kFlameJoints; ++j)
+    for (size_t i = 0; i < 3; ++i) params.pose[j][i] = float(row[kFitPose + 3 * j + i]);
+  params.expression.assign(row.begin() + kFitExpression, row.end());
+}
+
 PointsOnFlame::PointsOnFlame(const FlameModel& model,
                              const LandmarkEmbedding& embedding,
                              int shape_count,

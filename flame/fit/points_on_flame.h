@@ -17,6 +17,9 @@ namespace cosplat {
 // A frame's numbers in one row: translation, joints, expression.
 constexpr int kFitTranslation = 0, kFitPose = 3, kFitExpression = kFitPose + 3 * kFlameJoints;
 
+// Such a row as pose, translation and expression; leaves the eyelids.
+void SetFromRow(const std::vector<double>& row, FlameParams& params);
+
 class PointsOnFlame {
  public:
   // Uses the first `shape_count` and `expression_count` directions of the model; with eyelids, the

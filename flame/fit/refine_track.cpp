@@ -109,13 +109,7 @@ void TrackRefiner::FitFrame(size_t f, const std::vector<double>& near) {
     problem.AddResidualBlock(new internal::PriorCost(near, step_sigma_), nullptr, frame);
   problem.SetParameterBlockConstant(shape_.data());
   problem.SetParameterBlockConstant(&log_focal_);
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  options.max_num_iterations = 10;
-  options.function_tolerance = 1e-5;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
+  internal::SolveFrame(problem, 10);
 }
 
 void TrackRefiner::FitFrames() {
@@ -132,14 +126,9 @@ void TrackRefiner::FitFrames() {
 
 void TrackRefiner::Return() {
   for (size_t f = 0; f < frames_.size(); ++f) {
-    FlameParams& params = track_[f]->params;
-    const double* const numbers = frames_[f].data();
     for (double x : frames_[f])
       if (!std::isfinite(x)) throw Error(track_[f]->name, "could not be refined to finite numbers");
-    for (size_t i = 0; i < 3; ++i) params.translation[i] = float(numbers[kFitTranslation + i]);
-    for (size_t j = 0; j < kFlameJoints; ++j)
-      for (size_t i = 0; i < 3; ++i) params.pose[j][i] = float(numbers[kFitPose + 3 * j + i]);
-    params.expression.assign(numbers + kFitExpression, numbers + frames_[f].size());
+    SetFromRow(frames_[f], track_[f]->params);
   }
 }
 

@@ -144,13 +144,8 @@ void LoadImavatarTrack(const std::string& path, const TrackRequest& request, Tra
     frame.has_image = request.images != nullptr;
     std::string problem = SetImavatarPose(field["world_mat"], transposed, frame.camera);
     if (problem.empty()) problem = SetParams(field, expression_count, frame.params);
-    if (problem.empty()) {
-      const std::string broken = Problem([&] {
-        if (request.images) problem = FindFrameFiles(files, video, frame);
-        if (problem.empty()) problem = FinishTrackedFrame(lens, request, frame);
-      });
-      if (problem.empty()) problem = broken;
-    }
+    if (problem.empty())
+      problem = Problem([&] { return FindAndFinish(lens, request, files, video, frame); });
     KeepOrSkip(std::move(frame), problem, video.train, video);
   }
   NoteTransposed(json_path, transposed, video);

@@ -50,7 +50,7 @@ std::string LoadInstaFrame(const JsonField& field, Transforms& of, TrackedFrame&
   const fs::path relative(ForwardSlashes(image));
   if (relative.is_relative() && !StaysInside(relative))
     return "file_path " + image + " leads out of the folder";
-  const std::string broken = Problem([&] {
+  return Problem([&] {
     Camera tracked;  // its intrinsics are those of the tracker's images
     const std::string checkpoint = path + "/checkpoint/" + frame.name + ".frame";
     problem = ReadMetricalFrame(checkpoint, frame.params, tracked);
@@ -59,9 +59,8 @@ std::string LoadInstaFrame(const JsonField& field, Transforms& of, TrackedFrame&
     if (request.images) frame.image_path = of.files.FindImage(image);
     if (problem.empty() && request.images && frame.image_path.empty())
       problem = "image " + path + "/" + image + " is missing";
-    if (problem.empty()) problem = FinishTrackedFrame(lens, request, frame);
+    return problem.empty() ? FinishTrackedFrame(lens, request, frame) : problem;
   });
-  return problem.empty() ? broken : problem;
 }
 
 }  // namespace

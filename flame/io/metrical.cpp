@@ -161,15 +161,12 @@ void LoadMetricalTrack(const std::string& path, const TrackRequest& request, Tra
     frame.name = fs::path(checkpoint).stem().string();
     frame.timestep = number;
     frame.has_image = request.images != nullptr;
-    std::string problem;
-    const std::string broken = Problem([&] {
+    const std::string problem = Problem([&] {  // a damaged file only costs its frame
       Camera lens;
-      problem = ReadMetricalFrame(checkpoint, frame.params, lens);
+      const std::string wrong = ReadMetricalFrame(checkpoint, frame.params, lens);
       frame.camera = lens;
-      if (problem.empty() && request.images) problem = FindFrameFiles(files, video, frame);
-      if (problem.empty()) problem = FinishTrackedFrame(lens, request, frame);
+      return wrong.empty() ? FindAndFinish(lens, request, files, video, frame) : wrong;
     });
-    if (problem.empty()) problem = broken;  // a damaged file only costs its frame
     KeepOrSkip(std::move(frame), problem, video.train, video);
   }
   SettleShape(video);

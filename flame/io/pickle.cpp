@@ -89,14 +89,13 @@ const PickleValue* PickleMachine::Run() {
   }
 }
 
-void PickleMachine::PushClass(std::string_view module, std::string_view name) {
+bool PickleMachine::PushClass(std::string_view module, std::string_view name) {
   for (const AcceptedClass& c : kAcceptedClasses) {
     if (module != c.module || name != c.name) continue;
     PickleValue* value = New(Kind::kClass);
     value->type = c.type;
     value->text = c.dtype;
-    Push(value);
-    return;
+    return Push(value);
   }
   in_.Fail("class " + Printable(module) + "." + Printable(name) +
            " is not accepted (nothing in a pickle is executed here)");
@@ -106,28 +105,23 @@ bool PickleMachine::Object(uint8_t opcode) {
   switch (opcode) {
     case 'c': {
       const std::string_view module = in_.Line();
-      PushClass(module, in_.Line());
-      return true;
+      return PushClass(module, in_.Line());
     }
     case 0x93: {
       const PickleValue* name = Pop();
       const PickleValue* module = Pop();
       if (name->kind != Kind::kText || module->kind != Kind::kText)
         in_.Fail("STACK_GLOBAL without the name of a class");
-      PushClass(module->text, name->text);
-      return true;
+      return PushClass(module->text, name->text);
     }
     case 'R':
-      Call();
-      return true;
+      return Call();
     case 0x81: {
       const PickleValue* arguments = Pop();
-      Construct(Pop(), arguments);
-      return true;
+      return Construct(Pop(), arguments);
     }
     case 'Q':
-      PushStorage(Pop());
-      return true;
+      return PushStorage(Pop());
     case 'b': {
       const PickleValue* state = Pop();
       PickleValue* object = Top();
@@ -141,7 +135,7 @@ bool PickleMachine::Object(uint8_t opcode) {
 }
 
 // REDUCE: the few callables that represent data.
-void PickleMachine::Call() {
+bool PickleMachine::Call() {
   const PickleValue* arguments = Pop();
   const PickleValue* callable = Pop();
   if (callable->kind != Kind::kClass || arguments->kind != Kind::kTuple)
@@ -162,7 +156,7 @@ void PickleMachine::Call() {
   }
 }
 
-void PickleMachine::Construct(const PickleValue* type, const PickleValue* arguments) {
+bool PickleMachine::Construct(const PickleValue* type, const PickleValue* arguments) {
   if (type->kind != Kind::kClass || arguments->kind != Kind::kTuple)
     in_.Fail("an object without a class");
   if (arguments->items.size() >
@@ -192,7 +186,7 @@ void PickleMachine::Construct(const PickleValue* type, const PickleValue* argume
 
 // BINPERSID: ("storage", storage type, name, device, count). A storage that tensors share is kept
 // once.
-void PickleMachine::PushStorage(const PickleValue* identifier) {
+bool PickleMachine::PushStorage(const PickleValue* identifier) {
   const auto& items = identifier->items;
   if (!read_storage_) in_.Fail("a persistent identifier, in a file that has no storages");
   if (identifier->kind != Kind::kTuple || items.size() != 5 || items[0]->text != "storage" ||
@@ -207,7 +201,7 @@ void PickleMachine::PushStorage(const PickleValue* identifier) {
     storage->items = {items[1], items[4]};
     storage->text.assign(bytes.begin(), bytes.end());
   }
-  Push(storage);
+  return Push(storage);
 }
 
 const PickleValue* PickleValue::Find(const std::string& key) const {

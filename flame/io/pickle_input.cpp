@@ -5,6 +5,7 @@
 #include <charconv>
 
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -71,19 +72,15 @@ std::string_view PickleInput::Line() {
 }
 
 int64_t PickleInput::ParseInteger(std::string_view text) const {
-  int64_t value = 0;
-  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || code != std::errc() || end != text.data() + text.size())
-    Fail("expected an integer of at most 64 bits");
-  return value;
+  const std::optional<int64_t> value = NumberOf<int64_t>(text);
+  if (!value) Fail("expected an integer of at most 64 bits");
+  return *value;
 }
 
 double PickleInput::ParseFloat(std::string_view text) const {
-  double value = 0;
-  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || code != std::errc() || end != text.data() + text.size())
-    Fail("expected a number");
-  return value;
+  const std::optional<double> value = NumberOf<double>(text);
+  if (!value) Fail("expected a number");
+  return *value;
 }
 
 uint32_t PickleInput::ParseHex(std::string_view text, size_t at, size_t digits) const {

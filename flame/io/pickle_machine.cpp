@@ -10,48 +10,37 @@ using Kind = PickleValue::Kind;
 bool PickleMachine::Constant(uint8_t opcode) {
   switch (opcode) {
     case 'N':
-      Push(New(Kind::kNone));
-      return true;
+      return Push(New(Kind::kNone));
     case 0x88:
-      PushInteger(Kind::kBool, 1);
-      return true;
+      return PushInteger(Kind::kBool, 1);
     case 0x89:
-      PushInteger(Kind::kBool, 0);
-      return true;
+      return PushInteger(Kind::kBool, 0);
     case 'J':
-      PushInteger(Kind::kInteger, in_.Signed(4));
-      return true;
+      return PushInteger(Kind::kInteger, in_.Signed(4));
     case 'K':
-      PushInteger(Kind::kInteger, int64_t(in_.Unsigned(1)));
-      return true;
+      return PushInteger(Kind::kInteger, int64_t(in_.Unsigned(1)));
     case 'M':
-      PushInteger(Kind::kInteger, int64_t(in_.Unsigned(2)));
-      return true;
+      return PushInteger(Kind::kInteger, int64_t(in_.Unsigned(2)));
     case 'I': {
       const std::string_view line = in_.Line();
       const bool is_bool = line == "00" || line == "01";
-      PushInteger(is_bool ? Kind::kBool : Kind::kInteger, in_.ParseInteger(line));
-      return true;
+      return PushInteger(is_bool ? Kind::kBool : Kind::kInteger, in_.ParseInteger(line));
     }
     case 'L': {
       std::string_view line = in_.Line();
       if (line.ends_with('L')) line.remove_suffix(1);
-      PushInteger(Kind::kInteger, in_.ParseInteger(line));
-      return true;
+      return PushInteger(Kind::kInteger, in_.ParseInteger(line));
     }
     case 0x8a:
     case 0x8b: {
       const uint64_t count = in_.Unsigned(opcode == 0x8a ? 1 : 4);
       if (count > 8) in_.Fail("an integer of " + std::to_string(count) + " bytes");
-      PushInteger(Kind::kInteger, in_.Signed(int(count)));
-      return true;
+      return PushInteger(Kind::kInteger, in_.Signed(int(count)));
     }
     case 'F':
-      PushFloat(in_.ParseFloat(in_.Line()));
-      return true;
+      return PushFloat(in_.ParseFloat(in_.Line()));
     case 'G':
-      PushFloat(in_.BigEndianDouble());
-      return true;
+      return PushFloat(in_.BigEndianDouble());
     default:
       return false;
   }
@@ -60,94 +49,75 @@ bool PickleMachine::Constant(uint8_t opcode) {
 bool PickleMachine::Text(uint8_t opcode) {
   switch (opcode) {
     case 'S':
-      PushText(Kind::kText, in_.ParseQuoted(in_.Line()));
-      return true;
+      return PushText(Kind::kText, in_.ParseQuoted(in_.Line()));
     case 'V':
-      PushText(Kind::kText, in_.ParseRawUnicode(in_.Line()));
-      return true;
+      return PushText(Kind::kText, in_.ParseRawUnicode(in_.Line()));
     case 'U':
     case 0x8c:
-      PushText(Kind::kText, in_.Bytes(in_.Unsigned(1)));
-      return true;
+      return PushText(Kind::kText, in_.Bytes(in_.Unsigned(1)));
     case 'T':
     case 'X':
-      PushText(Kind::kText, in_.Bytes(in_.Unsigned(4)));
-      return true;
+      return PushText(Kind::kText, in_.Bytes(in_.Unsigned(4)));
     case 0x8d:
-      PushText(Kind::kText, in_.Bytes(in_.Unsigned(8)));
-      return true;
+      return PushText(Kind::kText, in_.Bytes(in_.Unsigned(8)));
     case 'C':
-      PushText(Kind::kBytes, in_.Bytes(in_.Unsigned(1)));
-      return true;
+      return PushText(Kind::kBytes, in_.Bytes(in_.Unsigned(1)));
     case 'B':
-      PushText(Kind::kBytes, in_.Bytes(in_.Unsigned(4)));
-      return true;
+      return PushText(Kind::kBytes, in_.Bytes(in_.Unsigned(4)));
     case 0x8e:
-      PushText(Kind::kBytes, in_.Bytes(in_.Unsigned(8)));
-      return true;
+      return PushText(Kind::kBytes, in_.Bytes(in_.Unsigned(8)));
     default:
       return false;
   }
 }
 
 // Appends to the list or dictionary on top of the stack.
-void PickleMachine::Extend(Kind kind, const std::vector<const PickleValue*>& items) {
+bool PickleMachine::Extend(Kind kind, const std::vector<const PickleValue*>& items) {
   PickleValue* target = Top();
   if (target->kind != kind)
     in_.Fail(kind == Kind::kList ? "appends to a value that is not a list"
                                  : "sets items of a value that is not a dictionary");
   if (kind == Kind::kDict && items.size() % 2 != 0) in_.Fail("a dictionary key has no value");
   target->items.insert(target->items.end(), items.begin(), items.end());
+  return true;
 }
 
 bool PickleMachine::Container(uint8_t opcode) {
   switch (opcode) {
     case ']':
-      Push(New(Kind::kList));
-      return true;
+      return Push(New(Kind::kList));
     case '}':
-      Push(New(Kind::kDict));
-      return true;
+      return Push(New(Kind::kDict));
     case ')':
-      PushTuple(0);
-      return true;
+      return PushTuple(0);
     case 0x85:
-      PushTuple(1);
-      return true;
+      return PushTuple(1);
     case 0x86:
-      PushTuple(2);
-      return true;
+      return PushTuple(2);
     case 0x87:
-      PushTuple(3);
-      return true;
+      return PushTuple(3);
     case 't':
-      PushTuple(PopToMark());
-      return true;
+      return PushTuple(PopToMark());
     case 'l':
     case 'd': {
       const Kind kind = opcode == 'l' ? Kind::kList : Kind::kDict;
       const auto items = PopToMark();
       Push(New(kind));
-      Extend(kind, items);
-      return true;
+      return Extend(kind, items);
     }
     case 'a': {
       const PickleValue* item = Pop();
-      Extend(Kind::kList, {item});
-      return true;
+      return Extend(Kind::kList, {item});
     }
     case 's': {
       const PickleValue* value = Pop();
       const PickleValue* key = Pop();
-      Extend(Kind::kDict, {key, value});
-      return true;
+      return Extend(Kind::kDict, {key, value});
     }
     case 'e':
-      Extend(Kind::kList, PopToMark());
-      return true;
+      return Extend(Kind::kList, PopToMark());
     case 'u':
-      Extend(Kind::kDict, PopToMark());
-      return true;
+      return Extend(Kind::kDict, PopToMark());
     default:
       return false;
   }
@@ -177,29 +147,21 @@ bool PickleMachine::Stack(uint8_t opcode) {
         Pop();
       return true;
     case '2':
-      Push(Top());
-      return true;
+      return Push(Top());
     case 'p':
-      Memoize(MemoIndexOfLine());
-      return true;
+      return Memoize(MemoIndexOfLine());
     case 'q':
-      Memoize(in_.Unsigned(1));
-      return true;
+      return Memoize(in_.Unsigned(1));
     case 'r':
-      Memoize(in_.Unsigned(4));
-      return true;
+      return Memoize(in_.Unsigned(4));
     case 0x94:
-      Memoize(memo_.size());
-      return true;
+      return Memoize(memo_.size());
     case 'g':
-      PushMemo(MemoIndexOfLine());
-      return true;
+      return PushMemo(MemoIndexOfLine());
     case 'h':
-      PushMemo(in_.Unsigned(1));
-      return true;
+      return PushMemo(in_.Unsigned(1));
     case 'j':
-      PushMemo(in_.Unsigned(4));
-      return true;
+      return PushMemo(in_.Unsigned(4));
     default:
       return false;
   }

@@ -44,23 +44,27 @@ class PickleMachine {
     values_.emplace_back().kind = kind;
     return &values_.back();
   }
-  void Push(PickleValue* value) { stack_.push_back(value); }
-  void PushInteger(PickleValue::Kind kind, int64_t value) {
+  // What handles an opcode returns true, as what calls it does.
+  bool Push(PickleValue* value) {
+    stack_.push_back(value);
+    return true;
+  }
+  bool PushInteger(PickleValue::Kind kind, int64_t value) {
     PickleValue* v = New(kind);
     v->integer = value;
-    Push(v);
+    return Push(v);
   }
-  void PushFloat(double value) {
+  bool PushFloat(double value) {
     PickleValue* v = New(PickleValue::Kind::kFloat);
     v->real = value;
-    Push(v);
+    return Push(v);
   }
-  void PushText(PickleValue::Kind kind, std::string_view text) {
+  bool PushText(PickleValue::Kind kind, std::string_view text) {
     if (text.size() > text_left_) in_.Fail("strings exceed the size of the file");
     text_left_ -= text.size();
     PickleValue* v = New(kind);
     v->text = text;
-    Push(v);
+    return Push(v);
   }
 
   // Values below the last mark are inaccessible until it is removed.
@@ -82,25 +86,26 @@ class PickleMachine {
     stack_.resize(begin);
     return items;
   }
-  void PushTuple(std::vector<const PickleValue*> items) {
+  bool PushTuple(std::vector<const PickleValue*> items) {
     PickleValue* tuple = New(PickleValue::Kind::kTuple);
     tuple->items = std::move(items);
-    Push(tuple);
+    return Push(tuple);
   }
-  void PushTuple(size_t count) {
+  bool PushTuple(size_t count) {
     std::vector<const PickleValue*> items(count);
     for (size_t i = count; i-- > 0;) items[i] = Pop();
-    PushTuple(std::move(items));
+    return PushTuple(std::move(items));
   }
-  void Extend(PickleValue::Kind kind, const std::vector<const PickleValue*>& items);
-  void Memoize(uint64_t index) {
+  bool Extend(PickleValue::Kind kind, const std::vector<const PickleValue*>& items);
+  bool Memoize(uint64_t index) {
     if (memo_.size() >= kMaxPickleValues) in_.Fail("the memo is too large");
     memo_[index] = Top();
+    return true;
   }
-  void PushMemo(uint64_t index) {
+  bool PushMemo(uint64_t index) {
     const auto found = memo_.find(index);
     if (found == memo_.end()) in_.Fail("memo " + std::to_string(index) + " was never set");
-    Push(found->second);
+    return Push(found->second);
   }
   uint64_t MemoIndexOfLine() {
     const int64_t index = in_.ParseInteger(in_.Line());
@@ -108,10 +113,10 @@ class PickleMachine {
     return uint64_t(index);
   }
 
-  void PushClass(std::string_view module, std::string_view name);
-  void Call();
-  void Construct(const PickleValue* type, const PickleValue* arguments);
-  void PushStorage(const PickleValue* identifier);
+  bool PushClass(std::string_view module, std::string_view name);
+  bool Call();
+  bool Construct(const PickleValue* type, const PickleValue* arguments);
+  bool PushStorage(const PickleValue* identifier);
 
   PickleInput in_;
   const Pickle::ReadStorage& read_storage_;

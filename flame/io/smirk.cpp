@@ -233,16 +233,9 @@ void LoadSmirkTrack(const std::string& path,
     frame.camera = lens;
     if (problem.empty() && request.images && size_t(*number) >= names.size())
       problem = "there are only " + std::to_string(names.size()) + " images";
-    if (problem.empty()) {
-      const std::string broken = Problem([&] {
-        if (request.images) {
-          frame.name = names[size_t(*number)];
-          problem = FindFrameFiles(files, video, frame);
-        }
-        if (problem.empty()) problem = FinishTrackedFrame(lens, request, frame);
-      });
-      if (problem.empty()) problem = broken;
-    }
+    if (problem.empty() && request.images) frame.name = names[size_t(*number)];
+    if (problem.empty())
+      problem = Problem([&] { return FindAndFinish(lens, request, files, video, frame); });
     KeepOrSkip(std::move(frame), problem, video.train, video);
   }
   CheckSkipped(path, video.train.size(), video.skipped);

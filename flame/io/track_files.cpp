@@ -1,7 +1,6 @@
 // What layouts share: where images and masks are, numbers from JSON and .npz, the default split.
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 
@@ -41,11 +40,8 @@ std::string FindVideoFrame(const TrackFiles& files,
 }  // namespace
 
 std::optional<int> NumberIn(const std::string& name) {
-  int number = 0;
-  const char* end = name.data() + name.size();
-  const auto [last, code] = std::from_chars(name.data(), end, number);
-  if (code != std::errc() || last != end || number < 0) return std::nullopt;
-  return number;
+  const std::optional<int> number = NumberOf<int>(name);
+  return number && *number >= 0 ? number : std::nullopt;
 }
 
 std::string FirstThatExists(const std::string& folder, const std::vector<std::string>& names) {
@@ -92,6 +88,8 @@ TrackFiles FindTrackFiles(const std::string& path,
   return files;
 }
 
+namespace {
+
 std::string FindFrameFiles(const TrackFiles& files,
                            const TrackedVideo& video,
                            TrackedFrame& frame) {
@@ -109,6 +107,17 @@ std::string FindFrameFiles(const TrackFiles& files,
   if (frame.mask_path.empty())
     return "mask " + files.mask_folder + "/" + frame.name + ".png is missing";
   return "";
+}
+
+}  // namespace
+
+std::string FindAndFinish(const Camera& lens,
+                          const TrackRequest& request,
+                          const TrackFiles& files,
+                          const TrackedVideo& video,
+                          TrackedFrame& frame) {
+  const std::string missing = request.images ? FindFrameFiles(files, video, frame) : "";
+  return missing.empty() ? FinishTrackedFrame(lens, request, frame) : missing;
 }
 
 int TestFrameCount(const TrackOptions& options, size_t usable, int at_most) {

@@ -184,8 +184,13 @@ TrackFiles FindTrackFiles(const std::string& path,
                           const ImageFiles* images,
                           TrackedVideo& video);
 
-// Sets the paths of image and mask by the frame's name; returns what is missing.
-std::string FindFrameFiles(const TrackFiles& files, const TrackedVideo& video, TrackedFrame& frame);
+// Sets the paths of image and mask by the frame's name, if images are asked for, and finishes the
+// frame; returns what is missing or wrong.
+std::string FindAndFinish(const Camera& lens,
+                          const TrackRequest& request,
+                          const TrackFiles& files,
+                          const TrackedVideo& video,
+                          TrackedFrame& frame);
 
 // <folder>/<name> of the first of `names` that exists, or empty.
 std::string FirstThatExists(const std::string& folder, const std::vector<std::string>& names);

@@ -105,14 +105,11 @@ std::string LoadFrame(const JsonField& field, Transforms& of, TrackedFrame& fram
   const std::string named = field["flame_param_path"].String();
   const std::string found = of.files.Find(named);
   const std::string params = found.empty() ? (fs::path(of.folder) / named).string() : found;
-  try {
+  return Problem([&] {  // a damaged file only costs its frame
     problem = ReadParams(params, frame.params);
     if (problem.empty() && of.request.images) problem = FindFiles(field, of, frame);
-    if (problem.empty()) problem = FinishTrackedFrame(lens, of.request, frame);
-  } catch (const Error& error) {  // a damaged file only costs its frame
-    problem = error.what();
-  }
-  return problem;
+    return problem.empty() ? FinishTrackedFrame(lens, of.request, frame) : problem;
+  });
 }
 
 // Two images that one camera took at one time are of a file whose time steps are something else.

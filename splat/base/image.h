@@ -51,6 +51,14 @@ BasicImage<T> Cropped(const BasicImage<T>& image, const Crop& crop) {
   return part;
 }
 
+// Copies an image to column `left` and row `top` of one of as many channels, within it.
+template <class T>
+void Paste(const BasicImage<T>& part, int left, int top, BasicImage<T>& onto) {
+  for (int y = 0; y < part.height; ++y)
+    std::copy_n(
+        &part.at(0, y, 0), size_t(part.width) * size_t(part.channels), &onto.at(left, top + y, 0));
+}
+
 // "640x480", for messages.
 inline std::string SizeText(int width, int height) {
   return std::to_string(width) + "x" + std::to_string(height);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -17,12 +18,15 @@ struct SkippedFrame {
   std::string reason;
 };
 
-// Returns the message of the Error that `load` throws, or an empty string if it throws none. For
-// frames that may be skipped.
+// The message of the Error that `load` throws; else what it returns, if that is text, or an empty
+// string. For frames that may be skipped.
 template <class F>
 std::string Problem(const F& load) {
   try {
-    load();
+    if constexpr (std::is_same_v<decltype(load()), std::string>)
+      return load();
+    else
+      load();
   } catch (const Error& e) {
     return e.what();
   }

@@ -1,7 +1,9 @@
 // Text for messages and pages.
 #pragma once
 
+#include <charconv>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -51,5 +53,15 @@ std::string Format(std::string_view text, const Values&... values) {
 std::string WithThousands(size_t n);
 
 std::string LowerCase(std::string text);  // of ASCII
+
+// The number that the text is, all of it; nothing if it is none, or does not fit.
+template <class T>
+std::optional<T> NumberOf(std::string_view text) {
+  T number{};
+  const char* const last = text.data() + text.size();
+  const auto [end, code] = std::from_chars(text.data(), last, number);
+  if (code != std::errc() || end != last) return {};
+  return number;
+}
 
 }  // namespace cosplat

@@ -64,11 +64,7 @@ class RenderTape {
   // waits for it. Expect avoids the wait: the next Forward allocates capacity for `instances` and,
   // on overflow, sets *exceeded (in the stream's memory) to 1 and renders no Gaussians. Returns
   // false if that is not possible: without a device, or without enough memory for the prediction.
-  virtual bool Expect(size_t instances, uint32_t* exceeded) {
-    (void)instances;
-    (void)exceeded;
-    return false;
-  }
+  virtual bool Expect(size_t /*instances*/, uint32_t* /*exceeded*/) { return false; }
   // Number of instances that the last Forward had capacity for.
   virtual size_t capacity() const = 0;
 
@@ -111,10 +107,7 @@ class Rasterizer {
 
   // Tape memory in bytes per Gaussian, given the instances per Gaussian in the fullest view;
   // training on a device uses it to stay within memory.
-  virtual double BytesPerGaussian(double instances) const {
-    (void)instances;
-    return 0;
-  }
+  virtual double BytesPerGaussian(double /*instances*/) const { return 0; }
 
   // Times of project, sort, blend and backward; the caller resets them. Those of a device are added
   // only by AddForwardTimes and AddBackwardTimes, after its stream has been waited for.

@@ -9,6 +9,7 @@
 #include "splat/io/ply.h"
 #include "splat/train/ranks/view_exchange.h"
 #include "tests/integration/background_command.h"
+#include "tests/support/rank_traffic.h"
 
 namespace cosplat::test {
 namespace {

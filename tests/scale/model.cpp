@@ -8,6 +8,7 @@
 #include "splat/base/json.h"
 #include "splat/render/kernels/world_gaussians.h"
 #include "splat/train/ranks/view_exchange.h"
+#include "tests/support/rank_traffic.h"
 
 namespace cosplat::scale {
 namespace {

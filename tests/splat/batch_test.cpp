@@ -14,6 +14,7 @@
 #include "splat/train/subject/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/rank_traffic.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/thread_ranks.h"
 

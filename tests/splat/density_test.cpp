@@ -9,10 +9,10 @@
 #include <numeric>
 
 #include "splat/render/rasterizer.h"
-#include "splat/train/density/morton.h"
 #include "splat/train/prune/pruner.h"
 #include "tests/splat/tagged_gaussians.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/morton_order.h"
 
 namespace cosplat {
 namespace {

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "splat/base/rng.h"
+#include "tests/support/morton_order.h"
 
 namespace cosplat {
 namespace {

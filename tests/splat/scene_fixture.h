@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "splat/base/camera.h"
+#include "splat/base/files.h"
 #include "splat/media/image_io.h"
+#include "tests/support/temporary_folder.h"
 
 namespace cosplat::test {
 
@@ -151,6 +153,31 @@ inline std::string PointsBin() {
     bytes.Put<uint64_t>(1).Put<int32_t>(1).Put<int32_t>(0);
   }
   return bytes.str();
+}
+
+inline ColmapFixture PinholeFixture() {
+  ColmapFixture fixture;
+  fixture.params = {150, 150, 80, 60};
+  return fixture;
+}
+
+// Writes model (binary) and images divided by `reduce` into images or images_<reduce>.
+inline void WriteScene(const TemporaryFolder& folder,
+                       const ColmapFixture& fixture,
+                       int reduce = 1) {
+  MakeDirectories(folder / "sparse/0");
+  WriteFileAtomically(folder / "sparse/0/cameras.bin", CamerasBin(fixture));
+  WriteFileAtomically(folder / "sparse/0/images.bin", ImagesBin(fixture));
+  WriteFileAtomically(folder / "sparse/0/points3D.bin", PointsBin());
+  const std::string images = reduce == 1 ? "images" : "images_" + std::to_string(reduce);
+  MakeDirectories(folder / images);
+  for (int i = 0; i < fixture.images; ++i) {
+    const Point2 spot = SpotThroughLens(fixture, i);
+    WriteImage(
+        folder / (images + "/" + FixtureName(i)),
+        SpotImage(
+            kFixtureWidth / reduce, kFixtureHeight / reduce, {spot[0] / reduce, spot[1] / reduce}));
+  }
 }
 
 }  // namespace cosplat::test

@@ -8,10 +8,10 @@
 #include <algorithm>
 #include <map>
 
-#include "splat/train/density/morton.h"
 #include "splat/train/subject/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/morton_order.h"
 
 namespace cosplat {
 namespace {

@@ -72,22 +72,11 @@ std::vector<Camera> OrbitScene(const std::vector<Camera>& cameras, int frames) {
   return path;
 }
 
-std::vector<Camera> OrbitTarget(const Camera& lens,
-                                const std::array<float, 3>& target,
-                                const std::array<float, 3>& up,
-                                float distance,
-                                int frames) {
-  const Vec3<float> center = math::ToVec3(target), axis = math::Normalize(math::ToVec3(up));
-  const Vec3<float> back{0, 0, -1};
-  const Vec3<float> first = math::Normalize(back - axis * math::Dot(back, axis));
-  const Vec3<float> second = math::Cross(axis, first);
-  std::vector<Camera> path;
-  for (int i = 0; i < frames; ++i) {
-    const float angle = 2 * kPi * float(i) / float(frames);
-    const Vec3<float> arm = first * std::cos(angle) + second * std::sin(angle);
-    path.push_back(LookAt(lens, center + arm * distance, center, axis));
-  }
-  return path;
+std::array<float, 3> MiddleOf(const std::vector<float>& vertices, int count) {
+  std::array<float, 3> middle{};
+  for (int v = 0; v < count; ++v)
+    for (size_t k = 0; k < 3; ++k) middle[k] += vertices[3 * size_t(v) + k] / float(count);
+  return middle;
 }
 
 Camera TurnedAround(const Camera& reference,

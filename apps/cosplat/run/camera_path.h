@@ -12,14 +12,8 @@ namespace cosplat {
 // turn if they surround it, otherwise back and forth over the angle that they cover.
 std::vector<Camera> OrbitScene(const std::vector<Camera>& cameras, int frames);
 
-// A full turn about the axis `up` through `target`, at `distance` from it and at its height; all
-// camera parameters but the pose are those of `lens`. The first camera is as close to -z as `up`
-// allows.
-std::vector<Camera> OrbitTarget(const Camera& lens,
-                                const std::array<float, 3>& target,
-                                const std::array<float, 3>& up,
-                                float distance,
-                                int frames);
+// The mean of the first `count` vertices.
+std::array<float, 3> MiddleOf(const std::vector<float>& vertices, int count);
 
 // Gone around `target` by `degrees` about the axis `up`, counterclockwise seen from above.
 Camera TurnedAround(const Camera& reference,

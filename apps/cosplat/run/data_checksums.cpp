@@ -23,10 +23,6 @@ uint32_t ChecksumOf(const Image8& image, uint32_t before = 0) {
   return Crc32(image.data.data(), image.data.size(), Crc32(size, sizeof size, before));
 }
 
-std::string NameOf(const std::string& kind, const std::vector<std::string>& names, size_t i) {
-  return kind + " " + (i < names.size() ? names[i] : std::to_string(i));
-}
-
 // `of(i)` for all i, in parallel.
 template <class F>
 void AddEach(size_t count, const F& of, DataChecksums& checksums) {
@@ -39,17 +35,17 @@ void AddEach(size_t count, const F& of, DataChecksums& checksums) {
 
 void AddFrames(const std::string& kind,
                const std::vector<std::string>& names,
-               const std::vector<const TrainFrame*>& frames,
+               const TrainFrame* frames,
                DataChecksums& checksums) {
   const auto of = [&](size_t i) {
     TrainFrame scratch;
-    const TrainFrame& frame = Loaded(*frames[i], scratch);
+    const TrainFrame& frame = Loaded(frames[i], scratch);
     uint32_t image = ChecksumOf(frame.target);
     if (!frame.ignored.empty()) image = ChecksumOf(frame.ignored, image);
-    return std::pair(NameOf(kind, names, i),
-                     ChecksumOf(CameraToJson(frames[i]->camera).dump(), image));
+    return std::pair(kind + " " + names[i],
+                     ChecksumOf(CameraToJson(frames[i].camera).dump(), image));
   };
-  AddEach(frames.size(), of, checksums);
+  AddEach(names.size(), of, checksums);
 }
 
 void AddTrack(const std::string& kind,

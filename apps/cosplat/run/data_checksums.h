@@ -16,10 +16,18 @@ namespace cosplat {
 // In an order that does not change, with names for errors: "training frame r_3".
 using DataChecksums = std::vector<std::pair<std::string, uint32_t>>;
 
-// Camera and image of each frame; [names] of them, or none.
+// Of views or tracked frames.
+template <class T>
+std::vector<std::string> NamesOf(const std::vector<T>& all) {
+  std::vector<std::string> names;
+  for (const T& one : all) names.push_back(one.name);
+  return names;
+}
+
+// Camera and image of each frame; frames: [names].
 void AddFrames(const std::string& kind,
                const std::vector<std::string>& names,
-               const std::vector<const TrainFrame*>& frames,
+               const TrainFrame* frames,
                DataChecksums& checksums);
 // Parameters of each frame, and its camera.
 void AddTrack(const std::string& kind,

@@ -28,16 +28,12 @@ LatencyFilm::Truth TruthOf(const FlameParams& face) {
 Image8 FrameOf(const Image8& head, size_t number) {
   Image8 frame(kWidth, kHeight, 3);
   std::fill(frame.data.begin(), frame.data.end(), uint8_t(128));
-  const int left = (kWidth - head.width) / 2;
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < head.width; ++x)
-      for (int c = 0; c < 3; ++c) frame.at(left + x, y, c) = head.at(x, y, c);
-    if (y < kHeight - LatencyFilm::kCellHeight) continue;
+  Paste(head, (kWidth - head.width) / 2, 0, frame);
+  for (int y = kHeight - LatencyFilm::kCellHeight; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) {
       const int cell = x * LatencyFilm::kCells / kWidth;
       for (int c = 0; c < 3; ++c) frame.at(x, y, c) = (number >> cell & 1) != 0 ? 255 : 0;
     }
-  }
   return frame;
 }
 

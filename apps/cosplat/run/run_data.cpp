@@ -1,7 +1,6 @@
 #include "apps/cosplat/run/run_data.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -65,13 +64,8 @@ float ExtentOf(const std::vector<NamedCamera>& cameras) {
 constexpr int kGreatestReduction = 64;  // as of -r
 
 void ChooseImages(const std::string& name, DataSplit& split) {
-  int reduced = 0;
-  const char* const end = name.data() + name.size();
-  if (name.starts_with("images_")) {
-    const auto [last, code] = std::from_chars(name.data() + 7, end, reduced);
-    if (code != std::errc() || last != end || reduced > kGreatestReduction) reduced = 0;
-  }
-  if (reduced > 0)
+  const int reduced = name.starts_with("images_") ? NumberOf<int>(name.substr(7)).value_or(0) : 0;
+  if (reduced > 0 && reduced <= kGreatestReduction)
     split.resolution *= reduced;
   else
     split.images = name;

@@ -90,6 +90,15 @@ Camera Lens(bool quick) {
   return lens;
 }
 
+// A full turn around `target`, at its height; the first camera is before it, at -z.
+std::vector<Camera> OrbitTarget(Camera lens, const Point& target, float distance) {
+  lens.translation = {-target[0], -target[1], distance - target[2]};
+  std::vector<Camera> cameras;
+  for (int i = 0; i < kViews; ++i)
+    cameras.push_back(TurnedAround(lens, target, kUp, 360.0f * float(i) / kViews));
+  return cameras;
+}
+
 // Points in front of the axis look larger than at the axis' distance, where the search starts.
 std::vector<Camera> FittingOrbit(const std::string& path,
                                  const std::vector<Point>& points,
@@ -105,14 +114,14 @@ std::vector<Camera> FittingOrbit(const std::string& path,
   // Stays outside the points, however flat they are.
   const float nearest = 0.6f * std::hypot(box[0].length(), box[2].length());
   float distance = std::max(nearest, lens.fy * box[1].length() / (kFilled * float(lens.height)));
-  std::vector<Camera> cameras = OrbitTarget(lens, target, kUp, distance, kViews);
+  std::vector<Camera> cameras = OrbitTarget(lens, target, distance);
   constexpr int kSearchSteps = 5;  // the share is nearly inversely proportional to the distance
   for (int i = 0; i < kSearchSteps; ++i) {
     const Filling filling = FillingOf(points, cameras);
     const float height = float(lens.height) / lens.fy * distance;  // of the image, at the axis
     for (size_t k = 0; k < target.size(); ++k) target[k] += kUp[k] * filling.above_middle * height;
     distance = std::max(nearest, distance * filling.share / kFilled);
-    cameras = OrbitTarget(lens, target, kUp, distance, kViews);
+    cameras = OrbitTarget(lens, target, distance);
   }
   return cameras;
 }

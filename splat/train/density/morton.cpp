@@ -31,11 +31,4 @@ View<const uint32_t> MortonSort::Order(View<const float> points, Stream& stream)
   return std::as_const(order_.values).view();
 }
 
-std::vector<uint32_t> MortonOrder(const std::vector<std::array<float, 3>>& points) {
-  MortonSort sort;
-  const View<const uint32_t> order =
-      sort.Order({points.empty() ? nullptr : points[0].data(), 3 * points.size()}, HostStream());
-  return {order.begin(), order.end()};
-}
-
 }  // namespace cosplat

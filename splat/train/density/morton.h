@@ -4,9 +4,7 @@
 // per axis.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <vector>
 
 #include "splat/device/sort.h"
 
@@ -26,8 +24,5 @@ class MortonSort {
   Buffer<uint64_t> codes_;
   Buffer<float> boxes_;  // [blocks, 6]
 };
-
-// The same on the host.
-std::vector<uint32_t> MortonOrder(const std::vector<std::array<float, 3>>& points);
 
 }  // namespace cosplat

@@ -71,23 +71,16 @@ class Pruner {
 
   // Called after a step's gradients and before Adam, on the host (PruneRule::on_host). radii: [N]
   // 0 where not rendered.
-  virtual void AfterBackward(const Gaussians& gaussians,
-                             const Gaussians& gradients,
-                             View<const float> radii) {
-    (void)gaussians;
-    (void)gradients;
-    (void)radii;
-  }
+  virtual void AfterBackward(const Gaussians& /*gaussians*/,
+                             const Gaussians& /*gradients*/,
+                             View<const float> /*radii*/) {}
   // The mask to learn in every step; empty if the rule learns none, or none at present.
   virtual MaskInSteps Mask() { return {}; }
   virtual void BeforeDensification() {}
   // Bytes allocated by the rule.
   virtual size_t allocated_bytes() const { return 0; }
   // Writes what the rule keeps between steps to a checkpoint, or reads it, for `count` Gaussians.
-  virtual void Serialize(StateArchive& archive, size_t count) {
-    (void)archive;
-    (void)count;
-  }
+  virtual void Serialize(StateArchive& /*archive*/, size_t /*count*/) {}
   // Reorders the rule's per-Gaussian data, on the host.
   virtual void Gather(const Reordering& order) { (void)order; }
 };

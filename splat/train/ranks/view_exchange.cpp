@@ -11,15 +11,6 @@
 namespace cosplat {
 namespace {
 
-constexpr double kWord = 4;  // bytes
-// As ViewExchange sends it of a group that a view shows: its index, its splats with their radii;
-// and the gradients that come back.
-constexpr double kGroup =
-    kWord + double(kGaussianGroup) *
-                double(kProjectedStride * sizeof(float) + sizeof(float) + sizeof(SplatGradient));
-// What every rank is told of a view: loss and gradient of the exposure.
-constexpr double kView = sizeof(double) + sizeof(Exposure);
-
 // What is sent of a projected Gaussian: its splat and radius; and of its gradient.
 RowArrays ArraysOf(const ProjectedSplat* splats, const float* radii) {
   RowArrays arrays;
@@ -232,13 +223,6 @@ size_t ViewExchange::allocated_bytes() const {
   for (const auto* lists : {&lists_, &places_})
     for (const Buffer<uint32_t>& list : *lists) bytes += AllocatedBytes(list);
   return bytes;
-}
-
-double TrafficOf(const ExchangeStatistics& of) {
-  const double others = double(of.ranks) - 1;
-  const double elsewhere = others / double(of.ranks);  // share of a view that others own
-  return double(of.groups_drawn) * elsewhere * kGroup + double(of.views) * others * kView +
-         kWord * double(of.assembled) * others + kWord * double(of.handed_over);
 }
 
 }  // namespace cosplat

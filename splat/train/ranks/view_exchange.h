@@ -90,7 +90,7 @@ class ViewExchange {
 };
 
 // What ranks exchange (splat/train/ranks/ranks.h), counted since the start or since resuming, over
-// all of them. Calculated from the groups: TrafficOf.
+// all of them.
 struct ExchangeStatistics {
   size_t ranks = 1;
   uint64_t steps = 0;           // of several views
@@ -102,10 +102,5 @@ struct ExchangeStatistics {
   uint64_t bytes_sent = 0;
   double seconds = 0;  // mean over the ranks, waiting included
 };
-
-// Bytes, over all ranks, calculated: for docs/large-scenes.md and tests/scale/model, and against
-// what Ranks::bytes_sent counts. of: counts of groups, numbers and views. A rank owns an even share
-// of the groups that a view draws, as it nearly does (splat/train/ranks/row_share.h).
-double TrafficOf(const ExchangeStatistics& of);
 
 }  // namespace cosplat

@@ -47,10 +47,7 @@ class Subject : public Placement {
   virtual const Camera& camera(size_t i) const { return frame(i).camera; }
   // Whether frame i is a guess, not what a camera saw: it is trained on in passes after density
   // control alone, and has less to say about sizes and opacities. False of some frame.
-  virtual bool IsGuess(size_t i) const {
-    (void)i;
-    return false;
-  }
+  virtual bool IsGuess(size_t /*i*/) const { return false; }
   // That `frame(i)` will be called soon.
   virtual void Expect(size_t i) { (void)i; }
   // Maximum bytes of the reduced copies of images that are kept.
@@ -71,13 +68,9 @@ class Subject : public Placement {
                                            Stream& stream) = 0;
   // Backward pass of ToWorld: turns what was written there into gradients of `gaussians`, in place.
   // If *overflowed is not 0 the step will be repeated: the subject must not change.
-  virtual void ToWorldBackward(const Gaussians& gaussians,
-                               Gaussians& gradients,
-                               const uint32_t* overflowed) {
-    (void)gaussians;
-    (void)gradients;
-    (void)overflowed;
-  }
+  virtual void ToWorldBackward(const Gaussians& /*gaussians*/,
+                               Gaussians& /*gradients*/,
+                               const uint32_t* /*overflowed*/) {}
   // Whether ToWorldBackward waits for its result and changes data outside the stream: such a step
   // cannot be repeated, so it must not overflow.
   virtual bool WaitsInSteps() const { return false; }
@@ -86,15 +79,8 @@ class Subject : public Placement {
   virtual View<const float> PositionRateScale() { return {}; }
   // Whether the subject changes the Gaussians after the step's update, and how. `iteration` counts
   // from 1.
-  virtual bool ChangesAfter(int iteration) const {
-    (void)iteration;
-    return false;
-  }
-  virtual void Change(int iteration, Gaussians& gaussians, AdamState& adam) {
-    (void)iteration;
-    (void)gaussians;
-    (void)adam;
-  }
+  virtual bool ChangesAfter(int /*iteration*/) const { return false; }
+  virtual void Change(int /*iteration*/, Gaussians& /*gaussians*/, AdamState& /*adam*/) {}
 
   // Saves and restores the subject's own state; null if it has none. RestoreState throws Error if
   // the state is not of this subject.
