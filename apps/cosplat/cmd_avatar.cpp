@@ -61,20 +61,24 @@ bool HasLandmarks(const AvatarCommand& o, const FrameSource& frames) {
   const std::string& file = o.marks.out;
   if (o.overwrite || !o.marks.matte.empty() || !fs::exists(file)) return false;
   const LandmarkVideo marks = ReadLandmarks(file);
-  return marks.source == o.track.source && marks.source_checksum == frames.Checksum() &&
-         AreAsAsked(marks, o.marks, frames);
+  if (marks.source != o.track.source || !AreAsAsked(marks, o.marks, frames)) return false;
+  // Those of earlier versions have no checksum.
+  return marks.source_checksum ? marks.source_checksum == frames.Checksum()
+                               : fs::last_write_time(file) >= fs::last_write_time(o.track.source);
 }
 
-std::string LandmarksOf(const AvatarCommand& o, FrameSource& frames) {
-  if (!o.landmarks.empty()) return o.landmarks;
+// Returns whether they had to be found: a track of earlier ones is not theirs.
+bool FindLandmarks(AvatarCommand& o, FrameSource& frames) {
+  if (!o.landmarks.empty()) return false;
+  o.landmarks = o.marks.out;
   if (HasLandmarks(o, frames)) {
     Say(o, "1/4 Landmarks are there from an earlier run");
-    return o.marks.out;
+    return false;
   }
   Say(o, "1/4 Finding the face's landmarks");
   MakeDirectories(o.out);
   DetectLandmarks(o.marks, frames);
-  return o.marks.out;
+  return true;
 }
 
 void MakeAvatar(AvatarCommand o, const std::string& config) {
@@ -94,8 +98,9 @@ void MakeAvatar(AvatarCommand o, const std::string& config) {
   const RunStart start = ChooseStart(o, config);
   o.resume = start != RunStart::kNew;  // the question is not asked again
   o.flame = o.track.flame = HeadModelFor(o.flame, o.out);
-  o.landmarks = o.track.landmarks = LandmarksOf(o, *frames);
-  if (o.resume && fs::exists(o.source + "/flame_params.json")) {
+  const bool found = FindLandmarks(o, *frames);
+  o.track.landmarks = o.landmarks;
+  if (o.resume && !found && fs::exists(o.source + "/flame_params.json")) {
     Say(o, "2/4 The track is there from an earlier run");
   } else {
     Say(o, "2/4 Fitting a head to them");

@@ -60,10 +60,11 @@ void Check(const ExportOptions& o) {
         throw Error("--" + std::string(kind + 1) + " " + *path,
                     "ends in " + std::string(ending) + ", for which other programs would take it");
   for (const auto& [kind, path] : files)
-    for (const char* ending : {".gltf", ".gz", ".zip"})  // text, or packed once more
+    for (const char* ending : {".gltf", ".gz", ".zip"})
       if (LowerCase(*path).ends_with(ending))
-        throw Error("--" + std::string(kind + 1) + " " + *path,
-                    "ends in " + std::string(ending) + ", which it would not be");
+        throw Error(
+            "--" + std::string(kind + 1) + " " + *path,
+            "ends in " + std::string(ending) + ", by which other programs would not know it");
   const std::string& model = o.source.model;
   for (const auto& [kind, path] : files) {
     if (path->empty() || model.empty()) continue;

@@ -189,6 +189,7 @@ void SceneInfo(const std::string& path) {
 
 void FolderInfo(const std::string& path) {
   if (IsRun(path)) return RunInfo(path);
+  if (IsRun(path + "/avatar")) return RunInfo(path + "/avatar");  // of `cosplat avatar`
   if (!TrackLayoutOf(path).empty()) return TrackInfo(path, true);
   SceneInfo(path);
 }

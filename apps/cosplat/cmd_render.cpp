@@ -305,7 +305,7 @@ void Render(const RenderOptions& o) {
     throw Error("--preview", "needs --out: test views are measured at full size");
   RequireSplats(run);
   if (!o.out.empty()) {
-    RefuseDataFolder("-o", o.out, SourceOf(o, run));
+    RefuseDataFolder("-o", o.out, SourceOf(o, run), o.model);
     RefuseInput("-o", o.out, o.drive.starts_with("audio:") ? o.drive.substr(6) : o.drive);
     for (const char* results : {"test", "train", "point_cloud"})
       if (IsInside(o.out, o.model + "/" + results))

@@ -186,7 +186,7 @@ void AddNotes(ScoreRecording& recording) {
     for (const float angle : frame.head) turned = std::max(turned, std::abs(angle));
   }
   if (longest > kLongSeconds)
-    recording.notes.push_back(Format("has no row for {:.0f} s: the last face is held", longest));
+    recording.notes.push_back(Format("has no face for {:.0f} s: the last one is held", longest));
   if (turned > kFarTurned)
     recording.notes.push_back(
         Format("turns the head by {:.0f} degrees: are its angles in radians?", turned / kDegree));

@@ -37,8 +37,8 @@ std::vector<std::string> NotesOf(const TrackedVideo& video,
     if (const std::string unused = UnusedExpressions(*flame, faces); !unused.empty())
       notes.push_back(unused);
   std::vector<Finding> skipped;
-  NoteSkipped(faces.size(), video.skipped, "frames", skipped);
-  for (const Finding& finding : skipped) notes.push_back(finding.text + ": the last face is held");
+  NoteSkipped(video.train.size() + video.test.size(), video.skipped, "frames", skipped);
+  for (const Finding& finding : skipped) notes.push_back(finding.text);
   float most = 0;
   for (const FlameParams* face : faces)
     for (const float e : face->expression) most = std::max(most, std::abs(e));

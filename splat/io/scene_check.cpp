@@ -69,12 +69,12 @@ void CheckMixedLenses(const std::vector<const SceneView*>& views, std::vector<Fi
     const Camera& lens = view->camera;
     const float usual = medians[{lens.width, lens.height}];
     if (std::max(lens.fx, usual) < kOther * std::min(lens.fx, usual) || other++ > 0) continue;
-    first = Format("{}: {:g} px, for {:g} px", view->name, lens.fx, usual);
+    first = Format("{}: {:g} px, others {:g} px", view->name, lens.fx, usual);
   }
   if (other > 0)
     findings.push_back({false,
                         std::to_string(other) + " of " + std::to_string(views.size()) +
-                            " cameras have another focal length than most images of their size (" +
+                            " cameras have another focal length than others of their size (" +
                             first + "): right only if there were several lenses, or a zoom"});
 }
 

@@ -6,6 +6,9 @@ extern "C" {
 #include <libswresample/swresample.h>
 }
 
+#include <algorithm>
+#include <utility>
+
 #include "splat/base/error.h"
 #include "splat/base/text.h"
 #include "splat/media/libav.h"
@@ -49,7 +52,7 @@ class SoundFile {
   void Decode(const AVPacket* packet) {
     if (avcodec_send_packet(codec_.get(), packet) < 0) return;
     while (avcodec_receive_frame(codec_.get(), frame_.get()) >= 0) {
-      if (sound_.samples.empty()) BeginLater(frame_->best_effort_timestamp);
+      if (!std::exchange(begun_, true)) BeginLater(frame_->best_effort_timestamp);
       Convert(frame_.get());
     }
   }
@@ -60,15 +63,24 @@ class SoundFile {
     if (time == AV_NOPTS_VALUE || start == AV_NOPTS_VALUE) return;
     const double late =
         double(time) * av_q2d(input_->streams[track_]->time_base) - double(start) / AV_TIME_BASE;
-    constexpr double kMaxLate = 3600;  // s; beyond it the time is none
+    constexpr double kMaxLate = 600;  // s; beyond it the time is none
     if (late > 0 && late < kMaxLate)
-      sound_.samples.resize(size_t(late * sound_.rate) * size_t(sound_.channels));
+      silence_ = size_t(late * sound_.rate) * size_t(sound_.channels);
+    sound_.samples.resize(silence_);
+  }
+
+  // Of the track, where the file states it: other lengths are guesses. 0: it does not.
+  double StatedSeconds() const {
+    const AVStream& track = *input_->streams[track_];
+    if (input_->duration_estimation_method != AVFMT_DURATION_FROM_STREAM) return 0;
+    if (track.duration != AV_NOPTS_VALUE) return double(track.duration) * av_q2d(track.time_base);
+    return input_->nb_streams == 1 ? double(input_->duration) / AV_TIME_BASE : 0;
   }
 
   void NoteCut() {
     constexpr double kShare = 0.05, kSeconds = 0.2;
-    const double stated = double(input_->duration) / AV_TIME_BASE;
-    const double read = double(sound_.samples.size()) / sound_.channels / sound_.rate;
+    const double stated = StatedSeconds();
+    const double read = double(sound_.samples.size() - silence_) / sound_.channels / sound_.rate;
     if (stated - read > std::max(kSeconds, kShare * stated))
       sound_.notes.push_back(
           Format("is cut off or damaged: it is to be {:.1f} s long, {:.1f} s can be decoded",
@@ -132,6 +144,8 @@ class SoundFile {
   libav::Frame frame_{av_frame_alloc()};
   libav::Packet packet_{av_packet_alloc()};
   Resampler resampler_;
+  bool begun_ = false;
+  size_t silence_ = 0;  // samples before the track begins
   int track_ = -1, rate_ = 0, format_ = 0, channels_ = 0;
   Sound sound_;
 };

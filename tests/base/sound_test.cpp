@@ -162,6 +162,16 @@ TEST(Sound, OfAVideoMayBeginLater) {
   EXPECT_NEAR(double(loud - late.samples.begin()) / 16000, 0.5, 0.05);
 }
 
+TEST(Sound, MayEndBeforeThePicture) {
+  const TemporaryFolder folder;
+  const Sound sound = ReadSound(Written(folder, "a.wav", Wav(48000, 1, 1)), 48000, 1);
+  VideoWriter writer(folder / "a.mp4", 64, 48, 25, sound);
+  for (int i = 0; i < 75; ++i) writer.Write(Image8(64, 48, 3));
+  writer.Finish();
+  const Sound back = ReadSound(folder / "a.mp4", 16000, 1);
+  EXPECT_TRUE(back.notes.empty()) << back.notes[0];
+}
+
 // Sun's .au states how many bytes follow.
 TEST(Sound, SaysThatItIsCutOff) {
   const TemporaryFolder folder;

@@ -1,6 +1,7 @@
 // The same tracked video in IMavatar's and in VHAP's layout.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -11,6 +12,7 @@
 #include "splat/base/files.h"
 #include "splat/base/npz.h"
 #include "splat/media/image_io.h"
+#include "tests/flame/all_frames.h"
 #include "tests/support/temporary_folder.h"
 
 namespace cosplat::test {
@@ -146,11 +148,5 @@ struct Vhap {
     return LoadTrackedVideo(Write(), options);
   }
 };
-
-inline std::vector<TrackedFrame> AllFrames(const TrackedVideo& video) {
-  std::vector<TrackedFrame> all = video.train;
-  all.insert(all.end(), video.test.begin(), video.test.end());
-  return all;
-}
 
 }  // namespace cosplat::test

@@ -13,6 +13,7 @@
 #include "flame/math/rodrigues.h"
 #include "flame/pose.h"
 #include "flame/track.h"
+#include "tests/flame/all_frames.h"
 #include "tests/flame/random_model.h"
 
 namespace cosplat::test {
@@ -129,12 +130,6 @@ inline std::vector<Pixel> HeadPixels(const FlameModel& model, int i) {
         {kHeadFocal * p[0] / p[2] + kHeadCenter[0], kHeadFocal * p[1] / p[2] + kHeadCenter[1]});
   }
   return pixels;
-}
-
-inline std::vector<TrackedFrame> AllFrames(const TrackedVideo& video) {
-  std::vector<TrackedFrame> all = video.train;
-  all.insert(all.end(), video.test.begin(), video.test.end());
-  return all;
 }
 
 // Where a track's camera sees the mesh of its parameters.

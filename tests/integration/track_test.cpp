@@ -335,6 +335,13 @@ TEST(Avatar, FromAVideoToReportAndPlayback) {
     EXPECT_TRUE(std::filesystem::exists(out + "/" + made)) << made;
   EXPECT_EQ(VideoReader(out + "/playback.mp4").frame_count(), 24);
   EXPECT_NE(result.out.find("no blendshape map"), std::string::npos) << result.out;
+  const CommandResult parent = Cosplat({"render", "-m", out});
+  EXPECT_EQ(parent.code, 2);
+  EXPECT_NE(parent.err.find("the run of this video is " + out + "/avatar"), std::string::npos)
+      << parent.err;
+  const CommandResult info = Cosplat({"info", out});
+  EXPECT_EQ(info.code, 0) << info.err;
+  EXPECT_EQ(info.out, Cosplat({"info", out + "/avatar"}).out);
   const FlameModel own = LoadFlameModel(out + "/head.npz");
   EXPECT_TRUE(own.redistributable);
   EXPECT_EQ(own.expression_names.back(), "eyeBlinkRight");
@@ -354,6 +361,27 @@ TEST(Avatar, FromAVideoToReportAndPlayback) {
                                        "500",
                                        "--quiet"});
   EXPECT_EQ(again.code, 3) << again.err;
+}
+
+// Those of earlier versions have no checksum.
+TEST(Avatar, KeepsLandmarksOfTheSameFilm) {
+  Filmed filmed;
+  WriteAsMediapipes(filmed);
+  const std::string out = filmed.folder / "me";
+  MakeDirectories(out);
+  uint32_t sum = 0;
+  for (int i = 1; i <= 24; ++i)
+    sum = Crc32OfFile(filmed.images + "/" + std::to_string(i) + ".png", sum);
+  for (const bool with : {true, false}) {
+    LandmarkVideo marks = ReadLandmarks(filmed.marks);
+    marks.source = filmed.images;
+    if (with) marks.source_checksum = sum;
+    WriteLandmarks(out + "/landmarks.json", marks);
+    const CommandResult result = Cosplat({"avatar", filmed.images, "-o", out, "--focal", "9"});
+    EXPECT_EQ(result.code, 2) << result.err;
+    EXPECT_NE(result.out.find("1/4 Landmarks are there"), std::string::npos) << result.out;
+    EXPECT_NE(result.err.find("is in pixels"), std::string::npos) << result.err;
+  }
 }
 
 // The best, and what others published, is not limited to what plays fast.

@@ -86,9 +86,11 @@ TEST(PictureBetweenBars, IsAllWhereThereAreNone) {
 
 TEST(FrameSource, RefusesTwoImagesOfOneName) {
   const TemporaryFolder folder;
-  for (const char* name : {"a_1.png", "a_2.jpg", "a_2.png"})
+  for (const char* name : {"a_1.png", "a_2.jpg", "a_2.k.png", "a_2.png"})
     WriteImage(folder / name, Image8(64, 48, 3));
   ExpectError([&] { FrameSource(folder.path()); }, {"a_2.jpg", "a_2.png", "one frame"});
+  RemoveFile(folder / "a_2.png");
+  EXPECT_EQ(FrameSource(folder.path()).count(), 3);
 }
 
 TEST(FrameSource, LeavesBarsOut) {

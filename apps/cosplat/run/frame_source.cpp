@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <map>
+#include <string_view>
+#include <utility>
 
 #include "splat/base/data_files.h"
 #include "splat/base/error.h"
@@ -42,7 +45,8 @@ bool CountedBefore(const std::string& a, const std::string& b) {
       ++i, ++k;
     }
   }
-  return a.size() - i < b.size() - k;
+  return std::pair(a.size() - i, std::string_view(a)) <
+         std::pair(b.size() - k, std::string_view(b));
 }
 
 std::vector<std::string> ImagesIn(const std::string& folder) {
@@ -82,10 +86,11 @@ void FrameSource::Open(const std::string& path) {
   }
   files_ = ImagesIn(path);
   if (files_.empty()) throw Error(path, "holds no images");
-  for (size_t i = 0; i + 1 < files_.size(); ++i)
-    if (fs::path(files_[i]).stem() == fs::path(files_[i + 1]).stem())
-      throw Error(files_[i],
-                  "and " + fs::path(files_[i + 1]).filename().string() +
+  std::map<std::string, std::string> names;
+  for (const std::string& file : files_)
+    if (const auto [at, added] = names.insert({fs::path(file).stem().string(), file}); !added)
+      throw Error(file,
+                  "and " + fs::path(at->second).filename().string() +
                       " would be one frame: take one of them out");
   for (const std::string& image : files_) {
     const ImageInfo info = ReadImageInfo(image).Upright();
@@ -100,10 +105,11 @@ void FrameSource::Open(const std::string& path) {
 
 int FrameSource::count() const { return video_ ? video_->frame_count() : int(files_.size()); }
 
-uint32_t FrameSource::Checksum() const {
+std::optional<uint32_t> FrameSource::Checksum() const {
+  if (checksum_ || !fs::is_regular_file(files_[0])) return checksum_;
   uint32_t sum = 0;
   for (const std::string& file : files_) sum = Crc32OfFile(file, sum);
-  return sum;
+  return checksum_ = sum;
 }
 
 std::vector<std::string> FrameSource::notes() const {

@@ -37,9 +37,9 @@ class FrameSource {
   double frames_per_second() const { return frames_per_second_; }  // 0: unknown
   // The stem of the image's file, or the frame's number in the video.
   std::string Name(int frame) const;
-  // CRC-32 of the video's file, or of the images' files in their order. Throws Error as ReadFile
-  // does.
-  uint32_t Checksum() const;
+  // CRC-32 of the video's file, or of the images' files in their order; none of what is no file, as
+  // a pattern of names. Throws Error as ReadFile does.
+  std::optional<uint32_t> Checksum() const;
   // What a user should know: of a video (VideoReader::notes), and of bars.
   std::vector<std::string> notes() const;
   // The frames that begin another shot, increasing (splat/media/frame_cuts.h). Reads a folder's
@@ -60,6 +60,7 @@ class FrameSource {
  private:
   std::unique_ptr<VideoReader> video_;
   std::vector<std::string> files_;  // of images; one of a video
+  mutable std::optional<uint32_t> checksum_;
   int width_ = 0, height_ = 0;
   Crop in_file_, picture_;
   double frames_per_second_ = 0;

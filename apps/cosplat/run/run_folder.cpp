@@ -70,7 +70,8 @@ bool IsInside(const std::string& path, const std::string& folder) {
 
 void RefuseDataFolder(const std::string& option,
                       const std::string& folder,
-                      const std::string& source) {
+                      const std::string& source,
+                      const std::string& run) {
   if (!IsInside(folder, source)) return;
   std::error_code missing;
   const fs::path data = fs::weakly_canonical(source, missing);
@@ -78,9 +79,10 @@ void RefuseDataFolder(const std::string& option,
   const bool is_data = place == data;
   for (; place != data; place = place.parent_path())  // runs may lie in there
     if (IsRun(place.string())) return;
-  if (fs::is_regular_file(folder, missing))
+  const auto written = [&](const std::string& path) { return fs::last_write_time(path, missing); };
+  if (fs::is_regular_file(folder, missing) && written(folder) <= written(run + "/run.json"))
     throw Error(option + " " + folder,
-                "is a file in the data's folder, which would be replaced: choose another name");
+                "is a file of the data, which would be replaced: choose another name");
   if (is_data || HasImages(folder))
     throw Error(option + " " + folder,
                 std::string(is_data ? "is the folder" : "is a folder of images") +
@@ -136,8 +138,12 @@ bool IsRun(const std::string& folder) {
 }
 
 JsonField ReadRun(const std::string& folder) {
-  const std::string own = folder + "/run.json";
-  return {own, fs::exists(own) || !IsRun(folder) ? ReadJson(own) : RunOfCfgArgs(folder)};
+  const std::string own = folder + "/run.json", of_video = folder + "/avatar";
+  if (!IsRun(folder))
+    throw Error(own,
+                IsRun(of_video) ? "is missing: the run of this video is " + of_video
+                                : "is missing: there is no run");
+  return {own, fs::exists(own) ? ReadJson(own) : RunOfCfgArgs(folder)};
 }
 
 bool HadSoundData(const std::string& folder) {

@@ -21,10 +21,11 @@ void WriteRunConfiguration(const std::string& folder,
                            const Json& run);
 
 // Throws Error(option, ...) if `folder`, which it names for results, is that of the data, or a
-// folder of images in there.
+// folder of images in there, or a file there that is older than the run.
 void RefuseDataFolder(const std::string& option,
                       const std::string& folder,
-                      const std::string& source);
+                      const std::string& source,
+                      const std::string& run = "");
 
 // Whether a path is that folder or something in it.
 bool IsInside(const std::string& path, const std::string& folder);

@@ -49,14 +49,16 @@ void CheckOfVideo(const LandmarkVideo& marks, const std::string& source, FrameSo
                     IsInside(source, marks.source);  // a folder that has the images in another one
   if (!marks.source.empty() && !same)
     PrintNotes({marks.file + ": the landmarks are of " + marks.source + ", not of " + source});
-  if (marks.source_checksum && *marks.source_checksum != frames.Checksum())
+  const std::optional<uint32_t> checksum = frames.Checksum();
+  if (marks.source_checksum && checksum && *marks.source_checksum != *checksum)
     throw Error(marks.file,
                 "source_checksum",
                 Format("is {}, {} has {}: the landmarks are of another film, or of this one before "
-                       "it was changed; find them again",
+                       "it was changed; find them again, or take this field out if its frames are "
+                       "the same",
                        *marks.source_checksum,
                        source,
-                       frames.Checksum()));
+                       *checksum));
   for (size_t i = 0; i < marks.frames.size(); ++i) {
     const LandmarkFrame& frame = marks.frames[i];
     const std::string field = "frames[" + std::to_string(i) + "]";

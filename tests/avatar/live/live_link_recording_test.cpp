@@ -118,7 +118,7 @@ TEST(LiveLinkRecording, SaysWhatItLacks) {
   const std::string odd = kHeader + ("10:00:00:00" + row) + "10:00:20:00,61,0.5,0,1.5,0\n";
   const std::vector<std::string> of_odd = LoadScores(Written(folder, odd)).notes;
   ASSERT_EQ(of_odd.size(), 3u);
-  EXPECT_EQ(of_odd[1], "has no row for 20 s: the last face is held");
+  EXPECT_EQ(of_odd[1], "has no face for 20 s: the last one is held");
   EXPECT_EQ(of_odd[2], "turns the head by 86 degrees: are its angles in radians?");
   std::string still = kHeader;
   for (int i = 0; i < 20; ++i) still += "00:00:00:00.000" + row;
