@@ -39,9 +39,16 @@ std::vector<std::string> NotesOf(const TrackedVideo& video,
   std::vector<Finding> skipped;
   NoteSkipped(video.train.size() + video.test.size(), video.skipped, "frames", skipped);
   for (const Finding& finding : skipped) notes.push_back(finding.text);
-  float most = 0;
-  for (const FlameParams* face : faces)
+  constexpr float kMostTurned = 3.2f;  // radians, of a joint about another
+  float most = 0, turned = 0;
+  for (const FlameParams* face : faces) {
     for (const float e : face->expression) most = std::max(most, std::abs(e));
+    for (size_t j = 1; j < face->pose.size(); ++j)
+      for (const float angle : face->pose[j]) turned = std::max(turned, std::abs(angle));
+  }
+  if (turned > kMostTurned)
+    notes.push_back(
+        Format("turns neck, jaw or eyes by {:.3g} radians: are these degrees?", turned));
   if (most > kMost)
     notes.push_back(Format("has expressions of up to {:g} standard deviations", most));
   for (std::string& note : notes) note.insert(0, video.source + ": ");

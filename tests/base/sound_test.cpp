@@ -149,12 +149,21 @@ void DelaySound(const std::string& from, const std::string& to, double seconds) 
   avformat_free_context(output);
 }
 
+// a.mp4, of so many seconds of sound and of picture.
+void WriteTalk(const TemporaryFolder& folder, double sound, int picture) {
+  constexpr int kRate = 48000, kFrames = 25;
+  VideoWriter writer(folder / "a.mp4",
+                     64,
+                     48,
+                     kFrames,
+                     ReadSound(Written(folder, "a.wav", Wav(kRate, 1, sound)), kRate, 1));
+  for (int i = 0; i < picture * kFrames; ++i) writer.Write(Image8(64, 48, 3));
+  writer.Finish();
+}
+
 TEST(Sound, OfAVideoMayBeginLater) {
   const TemporaryFolder folder;
-  const Sound sound = ReadSound(Written(folder, "a.wav", Wav(48000, 1, 2)), 48000, 1);
-  VideoWriter writer(folder / "a.mp4", 64, 48, 25, sound);
-  for (int i = 0; i < 50; ++i) writer.Write(Image8(64, 48, 3));
-  writer.Finish();
+  WriteTalk(folder, 2, 2);
   DelaySound(folder / "a.mp4", folder / "late.mkv", 0.5);
   const Sound late = ReadSound(folder / "late.mkv", 16000, 1);
   const auto loud = std::find_if(
@@ -164,10 +173,7 @@ TEST(Sound, OfAVideoMayBeginLater) {
 
 TEST(Sound, MayEndBeforeThePicture) {
   const TemporaryFolder folder;
-  const Sound sound = ReadSound(Written(folder, "a.wav", Wav(48000, 1, 1)), 48000, 1);
-  VideoWriter writer(folder / "a.mp4", 64, 48, 25, sound);
-  for (int i = 0; i < 75; ++i) writer.Write(Image8(64, 48, 3));
-  writer.Finish();
+  WriteTalk(folder, 1, 3);
   const Sound back = ReadSound(folder / "a.mp4", 16000, 1);
   EXPECT_TRUE(back.notes.empty()) << back.notes[0];
 }

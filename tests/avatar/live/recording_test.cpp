@@ -171,6 +171,11 @@ TEST(Recording, SaysWhatDoesNotMove) {
     EXPECT_NE(said.find(path + ": " + part), std::string::npos) << part << "\n" << said;
   EXPECT_EQ(said.find("has no rot"), std::string::npos) << said;
   Npz npz = Npz::Read(path);
+  npz.Add("jaw_rot", {5, 3}, std::vector<float>(15, 12.0f));
+  npz.Write(path);
+  said.clear();
+  for (const std::string& note : LoadRecording(path, {}).notes) said += note + "\n";
+  EXPECT_NE(said.find("jaw or eyes by 12 radians"), std::string::npos) << said;
   npz.Add("expr", {5, 0}, std::vector<float>{});
   npz.Write(path);
   ExpectError([&] { LoadRecording(path, {}); }, {"expr", "no coefficients"});
